@@ -1,0 +1,48 @@
+# make run and make test do everything a bare Debian 12 or Ubuntu needs first.
+# FREEFEM names another program, for instance: make test FREEFEM=/opt/ff/bin/FreeFem++
+
+FREEFEM ?= FreeFem++
+PYTHON := .venv/bin/python
+RUN ?= results/pipe_obstacles/make_run
+export FREEFEM
+# The matrices are small: threads of the BLAS would only get in each other's way.
+export OPENBLAS_NUM_THREADS := 1
+export OMP_NUM_THREADS := 1
+
+.PHONY: help run test validate doctor meshes setup clean
+
+help:
+	@echo 'make run              50 rigid particles in a pipe with obstacles, with pictures and a film'
+	@echo 'make test             the tests, at most 15 minutes (one file: make test TESTS=tests/test_mesh.py)'
+	@echo 'make validate         slow comparisons with published results and a report (one: CASE=settling_disk)'
+	@echo 'make doctor           versions, plug-ins, and a check of each linear solver'
+	@echo 'make meshes           makes the default meshes of meshes/ anew'
+	@echo 'make setup            installs what is missing (the others do this too)'
+	@echo 'make clean            removes .venv and caches; runs in results/ stay'
+
+# The run folder of an earlier make run is replaced.
+run: setup
+	$(FREEFEM) -nw cases/pipe_obstacles.edp -out $(RUN) -overwrite 1 -fields 0.02
+	$(PYTHON) -m tools.plot $(RUN)
+	@echo 'Tables and pictures are in $(RUN):'
+	@ls $(RUN)/*.csv $(RUN)/*.png $(RUN)/*.mp4 $(RUN)/*.gif 2>/dev/null || true
+
+TESTS ?= tests
+test: setup
+	$(PYTHON) -m pytest -q -n 2 $(TESTS)
+
+validate: setup
+	$(PYTHON) -m tools.validate $(CASE)
+
+doctor: setup
+	$(PYTHON) -m tools.doctor
+
+meshes: setup
+	$(PYTHON) -m tools.default_meshes
+
+setup:
+	@tools/setup.sh
+
+clean:
+	rm -rf .venv .setup.lock .pytest_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
