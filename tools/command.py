@@ -1,0 +1,45 @@
+"""What every command line tool shares: how it reads its options and how it ends.
+
+Exit statuses: 0 done, 1 a comparison failed, 3 bad input with one line on the
+error stream that says what, where and what to do.
+"""
+import argparse
+import os
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+BAD_INPUT = 3
+
+
+class BadInput(Exception):
+    """An argument or an input file that cannot be used; the text is one line for the user."""
+
+
+class Parser(argparse.ArgumentParser):
+    """An argument parser whose errors are one line and status 3."""
+
+    def __init__(self, *args, **options):
+        options.setdefault("formatter_class", argparse.RawDescriptionHelpFormatter)
+        options.setdefault("allow_abbrev", False)
+        super().__init__(*args, **options)
+
+    def error(self, message):
+        self.exit(BAD_INPUT, f"error: {message} ({self.prog} --help lists the options)\n")
+
+
+def guarded(main):
+    """Run main() and end the process with its status; BadInput becomes one line and status 3."""
+    try:
+        status = main()
+        sys.stdout.flush()
+        sys.exit(status)
+    except BadInput as problem:
+        print("error: " + " ".join(str(problem).split()), file=sys.stderr)
+        sys.exit(BAD_INPUT)
+    except BrokenPipeError:  # the reader of our output has gone (| head)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(0)
+    except KeyboardInterrupt:
+        print("stopped by the keyboard", file=sys.stderr)
+        sys.exit(130)

@@ -1,0 +1,113 @@
+"""A film of velocity and particles: mp4 through imageio-ffmpeg, else a gif through Pillow.
+
+make_film(run, out) -> path. One frame per field file (per particle output where the run
+has no fields), thinned to `most`; the colour scale is one for the whole film.
+"""
+from pathlib import Path
+
+import numpy as np
+
+from tools.command import BadInput
+from tools.plotting import (draw_outline, draw_speed, frame, panels, particle_artists, plt,
+                            speed_of, speed_top, time_text)
+
+DPI = 160
+
+
+def frame_rate(number):
+    """Frames per second, so that a film of few frames lasts and one of many flows."""
+    return int(np.clip(number / 12, 4, 25))
+
+
+def pictures(run, frames):
+    """The frames one by one as (height, width, 3) arrays of bytes, even in both sizes."""
+    length, second = run.units["length"], run.units["time"]
+    numbers = [k for _, k in frames]
+    with_velocity = all(k is not None for k in numbers)
+    top, extend = 1.0, "neither"
+    if with_velocity:
+        sample = sorted(set(np.linspace(0, len(numbers) - 1, min(12, len(numbers))).astype(int)))
+        top, extend = speed_top([speed_of(run.field(numbers[k])[1]) for k in sample])
+    figure, (axes,), bar = panels(1, run.extent, height=6.4)
+    figure.set_dpi(DPI)
+    draw_outline(axes, run.mesh)
+    frame(axes, run.extent, length)
+    heading = axes.set_title("", pad=4)
+    drawn, shape, bodies = None, None, []
+    for t, k in frames:
+        for artist in bodies:
+            artist.remove()
+        if with_velocity:
+            mesh, values = run.field(k)
+            same = shape is not None and np.array_equal(mesh.triangles, shape)
+            if drawn is not None and same:
+                drawn.set_array(speed_of(values))
+            else:
+                if drawn is not None:
+                    drawn.remove()
+                drawn, shape = draw_speed(axes, mesh, speed_of(values), top), mesh.triangles
+                figure.colorbar(drawn, cax=bar, extend=extend).set_label(f"velocity magnitude ({length}/{second})")
+        elif bar is not None:
+            bar.remove()
+            bar = None
+        bodies = particle_artists(axes, run.particles_at(t)) if run.has("particles") else []
+        heading.set_text(f"{run.title}, {time_text(t, second)}")
+        figure.canvas.draw()
+        picture = np.asarray(figure.canvas.buffer_rgba())[:, :, :3]
+        yield np.ascontiguousarray(picture[:picture.shape[0] // 2 * 2, :picture.shape[1] // 2 * 2])
+    plt.close(figure)
+
+
+def write_mp4(path, shots, rate):
+    """Write the pictures as H.264; raises ImportError or OSError where that cannot be done."""
+    import imageio_ffmpeg
+    writer = None
+    for shot in shots:
+        if writer is None:
+            size = shot.shape[1], shot.shape[0]
+            writer = imageio_ffmpeg.write_frames(str(path), size, fps=rate, codec="libx264", quality=None,
+                                                 macro_block_size=2, pix_fmt_out="yuv420p", ffmpeg_log_level="error",
+                                                 output_params=["-crf", "20", "-threads", "1"])
+            writer.send(None)
+        writer.send(shot)
+    writer.close()
+
+
+def write_gif(path, shots, rate):
+    """Write the pictures as a looping gif, half as large."""
+    from PIL import Image
+    images = []
+    for shot in shots:
+        image = Image.fromarray(shot)
+        images.append(image.resize((image.width // 2, image.height // 2), Image.LANCZOS).quantize(128))
+    images[0].save(path, save_all=True, append_images=images[1:], duration=int(1000 / rate), loop=0, optimize=True)
+
+
+def mp4_possible():
+    """True if an ffmpeg with H.264 is at hand."""
+    try:
+        import imageio_ffmpeg
+        imageio_ffmpeg.get_ffmpeg_exe()
+        return True
+    except (ImportError, RuntimeError, OSError):
+        return False
+
+
+def make_film(run, out, most=300, gif=False):
+    """Write film.mp4 or film.gif into the folder `out`; returns its path."""
+    from tools.plot import frames_of
+    frames = frames_of(run)
+    if len(frames) < 2:
+        raise BadInput(f"the run {run.folder} has only {len(frames)} times to show: no film")
+    if len(frames) > most:
+        frames = [frames[k] for k in np.unique(np.linspace(0, len(frames) - 1, most).astype(int))]
+    rate = frame_rate(len(frames))
+    as_gif = gif or not mp4_possible()
+    path = Path(out) / ("film.gif" if as_gif else "film.mp4")
+    part = path.with_name("film_part" + path.suffix)  # a film cut short never bears the final name
+    try:
+        (write_gif if as_gif else write_mp4)(part, pictures(run, frames), rate)
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+    return path

@@ -1,0 +1,241 @@
+"""Pictures of a run: velocity and particles at six times, trajectories, time series, film.
+
+    python -m tools.plot RUN [--out DIR] [--no-film] [--only fields trajectories series film]
+
+Writes fields.png, trajectories.png, series.png and film.mp4 (a gif where no mp4 can be
+made) into DIR, by default the run folder itself, and prints where they are. What a run
+does not hold (no particles, no field files) is left out and said.
+"""
+import sys
+from pathlib import Path
+
+import numpy as np
+from matplotlib.ticker import NullFormatter
+
+from tools.command import BadInput, Parser, guarded
+from tools.plotting import (LINE_MAP, PAGE_WIDTH, curve, draw_outline, draw_speed, frame, panels, particle_artists,
+                            plt, save, speed_of, speed_top, time_text)
+from tools.run_folder import RunFolder
+
+MADE = ("fields", "trajectories", "series", "film")
+
+
+def frames_of(run):
+    """[(t, number of the field file or None)]: the times that can be drawn. Without field
+    files these are the output times of the particles."""
+    if run.fields:
+        return [(t, k) for k, (t, _) in enumerate(run.fields)]
+    if run.has("particles"):
+        return [(float(t), None) for t in np.unique(run.particles["t"])]
+    return []
+
+
+def spread(frames, number=6):
+    """At most `number` frames spread over the run, ending at its end; the start, where
+    nothing has happened yet, is left out if there are enough others."""
+    if len(frames) <= number:
+        return list(frames)
+    times = np.array([t for t, _ in frames])
+    wanted = times[0] + (times[-1] - times[0]) * np.arange(1, number + 1) / number
+    picked, last = [], -1
+    for place, time in enumerate(wanted):
+        low, high = last + 1, len(frames) - (number - place)
+        last = low + int(np.argmin(abs(times[low:high + 1] - time)))
+        picked.append(frames[last])
+    return picked
+
+
+def plot_fields(run, path, number=6):
+    """Velocity magnitude with the particles at six times, one colour bar."""
+    chosen = spread(frames_of(run), number)
+    if not chosen:
+        raise BadInput(f"the run {run.folder} has neither fields nor particles to draw")
+    length, second = run.units["length"], run.units["time"]
+    fields = [None if k is None else run.field(k) for _, k in chosen]
+    with_velocity = all(field is not None for field in fields)
+    top, extend = speed_top([speed_of(values) for _, values in fields]) if with_velocity else (1, "neither")
+    figure, axes, bar = panels(len(chosen), run.extent)
+    drawn = None
+    for one, (t, _), field in zip(axes, chosen, fields):
+        if with_velocity:
+            drawn = draw_speed(one, field[0], speed_of(field[1]), top)
+        draw_outline(one, run.mesh)
+        if run.has("particles"):
+            particle_artists(one, run.particles_at(t))
+        frame(one, run.extent, length)
+        one.set_title(time_text(t, second), pad=3)
+    if drawn is not None:
+        figure.colorbar(drawn, cax=bar, extend=extend).set_label(f"velocity magnitude ({length}/{second})")
+    else:
+        bar.remove()
+    inches = figure.get_size_inches()
+    what = "velocity and particles" if with_velocity and run.has("particles") else \
+        "velocity" if with_velocity else "particles"
+    figure.text(0.5, 1 - 0.1 / inches[1], title(run, what, inches[0]), ha="center", va="top", fontsize=10)
+    return save(figure, path)
+
+
+def title(run, what, inches):
+    """'case: what', or only the case where the figure is too narrow for both."""
+    text = f"{run.title}: {what}"
+    return text if len(text) * 0.075 < inches else what
+
+
+def broken(track, extent):
+    """A track as pieces (k, 2), cut where it crosses the seam of a periodic domain."""
+    points = np.column_stack([track["x"], track["y"]])
+    jumps = np.any(abs(np.diff(points, axis=0)) > 0.5 * np.asarray(extent[2:]), axis=1)
+    return np.split(points, np.flatnonzero(jumps) + 1)
+
+
+def plot_trajectories(run, path):
+    """Paths of the centres coloured by diameter; the disk stands at its last place inside."""
+    tracks = list(run.tracks.values())
+    if not tracks:
+        raise BadInput(f"{run.folder / 'particles.csv'} has no rows: no trajectory to draw")
+    length = run.units["length"]
+    figure, (axes,), bar = panels(1, run.extent, height=6.0)
+    diameters = np.array([2 * track["radius"][-1] for track in tracks])
+    low, high = diameters.min(), diameters.max()
+    several = high - low > 1e-6 * high
+    scale = plt.Normalize(low, high) if several else plt.Normalize(0.5 * low, 1.5 * high)
+    ends = []
+    for track, diameter in zip(tracks, diameters):
+        colour = LINE_MAP(scale(diameter))
+        for piece in broken(track, run.extent):
+            axes.plot(piece[:, 0], piece[:, 1], color=colour, linewidth=1.1, alpha=0.9, zorder=3, solid_capstyle="round")
+        ends.append([0] + [track[name][-1] for name in ("x", "y", "theta", "radius")])
+    disks, _ = particle_artists(axes, np.array(ends).T, zorder=5)
+    disks.set_facecolor(LINE_MAP(scale(diameters)))
+    disks.set_alpha(0.75)
+    draw_outline(axes, run.mesh)
+    frame(axes, run.extent, length)
+    if several:
+        figure.colorbar(plt.cm.ScalarMappable(scale, LINE_MAP), cax=bar).set_label(f"diameter ({length})")
+    else:
+        bar.remove()
+    inches = figure.get_size_inches()
+    number = f"{len(tracks)} particles" if len(tracks) > 1 else "one particle"
+    if not several:
+        number += f", diameter {low:.4g} {length}"
+    figure.text(0.5, 1 - 0.1 / inches[1], title(run, ("path of " if len(tracks) == 1 else "paths of ") + number, inches[0]), ha="center", va="top", fontsize=10)
+    return save(figure, path)
+
+
+def series(run):
+    """The panels of the time series: [(label of the axis, [(name, values)], log scale)];
+    a column that the run did not write is left out."""
+    table = run.fluid
+    length, second, mass = (run.units[name] for name in ("length", "time", "mass"))
+    pressure, energy = ("Pa", "J/m") if (length, second, mass) == ("m", "s", "kg") else \
+        (f"{mass}/({length} {second}$^2$)", f"{mass} {length}/{second}$^2$")
+
+    def there(*pairs):
+        return [(name, table[column]) for column, name in pairs if column in table]
+    wanted = [
+        (f"flux ({length}$^2$/{second})", there(("flux_in", "inlet"), ("flux_out", "outlet")), False),
+        (f"pressure drop ({pressure})", there(("pressure_drop", "")), False),
+        (f"kinetic energy ({energy})", there(("kinetic_energy", "")), False),
+        ("number", there(("particles", "particles inside"), ("contacts", "contacts")), False),
+    ]
+    if "worst_gap" in table:
+        overlap = np.maximum(0.0, -table["worst_gap"])
+        smallest = run.particles["radius"].min() if run.has("particles") and len(run.particles["t"]) else None
+        label = "worst overlap / radius" if smallest else f"worst overlap ({length})"
+        wanted.append((label, [("", overlap / (smallest or 1.0))], True))
+    if "divergence" in table:
+        wanted.append(("divergence norm", [("", table["divergence"])], True))
+    return [panel for panel in wanted if panel[1] and any(np.isfinite(v).any() for _, v in panel[1])]
+
+
+def plot_series(run, path):
+    """fluid.csv over time; overlaps are over the smallest radius."""
+    wanted = series(run)
+    t = run.fluid["t"]
+    if not wanted or not len(t):
+        raise BadInput(f"{run.folder / 'fluid.csv'} has no rows or none of the columns that are drawn")
+    rows = -(-len(wanted) // 2)
+    figure, axes = plt.subplots(rows, 2, figsize=(PAGE_WIDTH, 0.5 + 1.75 * rows), sharex=True, layout="constrained",
+                                squeeze=False)
+    for one, (label, curves, log) in zip(axes.flat, wanted):
+        for k, (name, values) in enumerate(curves):
+            one.plot(t, np.where(values > 0, values, np.nan) if log else values, label=name, **curve(k),
+                     **({"marker": ".", "markersize": 3} if log else {}))
+        if log and any((values > 0).any() for _, values in curves):
+            one.set_yscale("log")
+            one.yaxis.set_minor_formatter(NullFormatter())
+            low, high = one.get_ylim()
+            if high < 10 * low:  # at least one decade, so that there is a labelled tick
+                one.set_ylim(10 ** np.floor(np.log10(low)), 10 ** np.ceil(np.log10(high)))
+        elif log:
+            one.text(0.5, 0.5, "zero throughout", transform=one.transAxes, ha="center", va="center")
+            one.set_yticks([])
+        if len(curves) > 1:
+            one.legend(loc="best")
+        one.set_ylabel(label)
+        one.grid(True)
+    for one in axes.flat[len(wanted):]:
+        one.remove()
+    for column in range(2):
+        shown = [row for row in range(rows) if 2 * row + column < len(wanted)]
+        if shown:
+            axes[shown[-1], column].set_xlabel(f"t ({run.units['time']})")
+            axes[shown[-1], column].tick_params(labelbottom=True)
+    figure.suptitle(f"{run.title}: time series", fontsize=10)
+    return save(figure, path)
+
+
+def parser():
+    """The options."""
+    options = Parser(prog="python -m tools.plot", description=__doc__)
+    options.add_argument("run", help="run folder, such as results/pipe_obstacles/default")
+    options.add_argument("--out", metavar="DIR", help="where the pictures go (default: the run folder)")
+    options.add_argument("--only", nargs="+", choices=MADE, metavar="WHAT", help="some of: " + ", ".join(MADE))
+    options.add_argument("--no-film", action="store_true", help="no film")
+    options.add_argument("--gif", action="store_true", help="the film as a gif even where an mp4 can be made")
+    options.add_argument("--frames", type=int, default=300, metavar="N", help="most frames of the film (default 300)")
+    return options
+
+
+def main(words=None):
+    """Make the pictures; 0 if one was made at least."""
+    given = parser().parse_args(words)
+    if given.frames < 2:
+        raise BadInput("--frames must be at least 2")
+    run = RunFolder(given.run)
+    out = Path(given.out or given.run)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise BadInput(f"cannot make the folder {out}: {problem}") from None
+    wanted = [name for name in (given.only or MADE) if not (name == "film" and given.no_film)]
+    made = 0
+    for name in wanted:
+        if name in ("fields", "film") and not frames_of(run):
+            reason = "no field files and no particles (fields are written when asked for)"
+        elif name == "trajectories" and not (run.has("particles") and len(run.particles["t"])):
+            reason = "no rows in particles.csv"
+        elif name == "series" and not (run.has("fluid") and len(run.fluid["t"]) and series(run)):
+            reason = "no rows in fluid.csv"
+        elif name == "film" and len(frames_of(run)) < 2:
+            reason = "only one time to show"
+        else:
+            reason = None
+        if reason:
+            print(f"{name}: left out, {reason}")
+            continue
+        if name == "film":
+            from tools.film import make_film
+            path = make_film(run, out, most=given.frames, gif=given.gif)
+        else:
+            draw = {"fields": plot_fields, "trajectories": plot_trajectories, "series": plot_series}[name]
+            path = draw(run, out / f"{name}.png")
+        made += 1
+        print(f"{name}: {path}", flush=True)
+    if not made:
+        raise BadInput(f"nothing in {run.folder} can be drawn")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(guarded(main))

@@ -1,0 +1,162 @@
+"""The look of every figure, and the drawing of a scene: domain, velocity, particles.
+
+Colours are told apart in grey print and by colour-blind readers: viridis for fields,
+cividis for a property of particles, a fixed cycle with its own dash per curve.
+"""
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+from matplotlib.collections import LineCollection, PatchCollection  # noqa: E402
+from matplotlib.patches import Circle  # noqa: E402
+
+from tools.mesh_files import OPEN, SOLID, chains  # noqa: E402
+
+FIELD_MAP = "viridis"
+# The pale end of a map is lost on white paper, so lines use the darker part.
+LINE_MAP = matplotlib.colors.LinearSegmentedColormap.from_list(
+    "cividis_dark", matplotlib.colormaps["cividis"](np.linspace(0, 0.88, 256)))
+CURVES = [("#0072b2", "-"), ("#d55e00", "--"), ("#009e73", "-."), ("#000000", ":"),
+          ("#cc79a7", (0, (5, 1, 1, 1, 1, 1))), ("#e69f00", (0, (7, 2)))]
+MARKERS = "os^Dvp"
+BODY, BODY_EDGE, SOLID_FILL = "#e8e8e8", "#1a1a1a", "#9a9a9a"
+PAGE_WIDTH = 7.2  # inches: fits a printed page
+
+plt.rcParams.update({
+    "font.size": 9, "axes.titlesize": 9, "axes.labelsize": 9, "legend.fontsize": 8,
+    "xtick.labelsize": 8, "ytick.labelsize": 8, "figure.dpi": 100, "savefig.dpi": 200,
+    "axes.grid": False, "grid.color": "#d0d0d0", "grid.linewidth": 0.5, "lines.linewidth": 1.4,
+    "legend.frameon": False, "axes.formatter.useoffset": False, "axes.formatter.limits": (-3, 4),
+})
+
+
+def curve(k):
+    """Colour and dash of the k-th curve of a figure."""
+    colour, dash = CURVES[k % len(CURVES)]
+    return {"color": colour, "linestyle": dash}
+
+
+def panels(number, extent, width=PAGE_WIDTH, height=8.6, gaps=(0.2, 0.34), margins=(0.62, 0.9, 0.52, 0.46)):
+    """A figure with `number` panels of the scene's own proportions and room for a colour
+    bar on the right, rows and columns chosen so that the panels are as large as the page
+    allows. Returns (figure, axes in reading order, axes of the colour bar).
+
+    margins: left, right, bottom, top in inches; gaps: between columns and rows.
+    """
+    _, _, w, h = extent
+    w, h = max(w, 1e-300), max(h, 1e-300)
+    left, right, bottom, top = margins
+    best = None
+    for columns in range(1, number + 1):
+        rows = -(-number // columns)
+        room_x = (width - left - right - (columns - 1) * gaps[0]) / columns
+        room_y = (height - bottom - top - (rows - 1) * gaps[1]) / rows
+        scale = min(room_x / w, room_y / h)
+        if room_x > 0.4 and room_y > 0.3 and (best is None or scale > 1.02 * best[0]):
+            best = (scale, rows, columns)
+    scale, rows, columns = best
+    size = scale * w, scale * h
+    total = (left + right + columns * size[0] + (columns - 1) * gaps[0],
+             bottom + top + rows * size[1] + (rows - 1) * gaps[1])
+    figure = plt.figure(figsize=total)
+    axes = []
+    for k in range(number):
+        row, column = divmod(k, columns)
+        x = left + column * (size[0] + gaps[0])
+        y = bottom + (rows - 1 - row) * (size[1] + gaps[1])
+        one = figure.add_axes([x / total[0], y / total[1], size[0] / total[0], size[1] / total[1]])
+        if column:
+            one.tick_params(labelleft=False)
+        if k + columns < number:
+            one.tick_params(labelbottom=False)
+        one.first_column, one.last_row = column == 0, k + columns >= number
+        axes.append(one)
+    bar_height = min(total[1] - bottom - top, 4.0)
+    middle = 0.5 * (bottom + total[1] - top)
+    bar = figure.add_axes([(total[0] - right + 0.12) / total[0], (middle - bar_height / 2) / total[1],
+                           0.14 / total[0], bar_height / total[1]])
+    return figure, axes, bar
+
+
+def frame(axes, extent, length="m", pad=0.015):
+    """Limits with a small border, equal aspect, labels with the unit of length."""
+    x0, y0, w, h = extent
+    axes.set_aspect("equal")
+    room = pad * max(w, h)
+    axes.set_xlim(x0 - room, x0 + w + room)
+    axes.set_ylim(y0 - room, y0 + h + room)
+    slots = axes.get_position().size * axes.figure.get_size_inches()
+    axes.locator_params(axis="x", nbins=int(np.clip(slots[0] / 0.55, 1, 9)))
+    axes.locator_params(axis="y", nbins=int(np.clip(slots[1] / 0.3, 2, 9)))
+    for side in axes.spines.values():
+        side.set_visible(False)
+    if getattr(axes, "last_row", True):
+        axes.set_xlabel(f"x ({length})")
+    if getattr(axes, "first_column", True):
+        axes.set_ylabel(f"y ({length})")
+
+
+def draw_outline(axes, mesh):
+    """The boundary by its labels: walls thick, open ends dashed, bodies in the flow thicker."""
+    if mesh is None:
+        return
+    for label in np.unique(mesh.labels):
+        style = {"color": "black", "linewidth": 1.1, "linestyle": "-"}
+        if label in OPEN:
+            style.update(color="#555555", linewidth=0.9, linestyle=(0, (4, 2)))
+        elif label in SOLID:
+            style.update(linewidth=1.5)
+        lines = [mesh.points[line] for line in chains(mesh.edges[mesh.labels == label])]
+        axes.add_collection(LineCollection(lines, zorder=4, capstyle="round", **style), autolim=False)
+
+
+def particle_artists(axes, particles, zorder=5):
+    """Particles as neutral disks, each with a line from its centre to the rim at theta.
+    particles: (id, x, y, theta, radius) arrays. Returns the artists, for removal."""
+    _, x, y, theta, radius = particles
+    if not len(x):
+        return []
+    # The rim is drawn inside, so that a thick pen does not make touching disks overlap.
+    disks = PatchCollection([Circle((a, b), r) for a, b, r in zip(x, y, radius)],
+                            facecolor=BODY, edgecolor=BODY_EDGE, linewidth=0.6, zorder=zorder)
+    ends = np.stack([np.column_stack([x, y]),
+                     np.column_stack([x + radius * np.cos(theta), y + radius * np.sin(theta)])], axis=1)
+    marks = LineCollection(ends, color=BODY_EDGE, linewidth=0.8, zorder=zorder + 0.1)
+    return [axes.add_collection(disks, autolim=False), axes.add_collection(marks, autolim=False)]
+
+
+def draw_speed(axes, mesh, speed, top):
+    """The field of |velocity| on the P1 mesh, colours from 0 to top. Returns the artist."""
+    drawn = axes.tripcolor(mesh.points[:, 0], mesh.points[:, 1], mesh.triangles, speed,
+                           shading="gouraud", cmap=FIELD_MAP, vmin=0, vmax=top, zorder=1, rasterized=True)
+    return drawn
+
+
+def speed_of(values):
+    """|velocity| at the vertices."""
+    return np.hypot(values["velocity"][:, 0], values["velocity"][:, 1])
+
+
+def speed_top(speeds):
+    """Upper end of the colour scale, and how the bar ends. A few nodes at sharp corners
+    must not darken the rest: the top 0.1 % of the nodes may lie above ("max" arrow)."""
+    everything = np.concatenate(speeds)
+    everything = everything[np.isfinite(everything)]
+    if not len(everything) or everything.max() <= 0:
+        return 1.0, "neither"
+    high = float(np.quantile(everything, 0.999))
+    most = float(everything.max())
+    return (high, "max") if 0 < high < 0.97 * most else (most, "neither")
+
+
+def time_text(t, unit="s"):
+    """A time for a title."""
+    return f"t = {t:.4g} {unit}"
+
+
+def save(figure, path):
+    """Write the figure and let it go. Returns the path."""
+    figure.savefig(path)
+    plt.close(figure)
+    return path

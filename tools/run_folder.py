@@ -1,0 +1,177 @@
+"""A run folder, read: run.json, the CSVs, the fields with their times, and the mesh.
+
+    run = RunFolder("results/settling_disk/default")
+    run.info["parameters"], run.particles["y"], run.fluid["t"], run.field_at(k), run.mesh
+
+Everything is read when first asked for. Errors: BadInput naming the file and what is
+wrong. Units are those of the case; run.units gives their names (SI unless run.json has
+"units": {"length": "cm", "time": "s", "mass": "g"}).
+"""
+import json
+import xml.etree.ElementTree as xml
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from tools.command import BadInput
+from tools.mesh_files import read_field, read_mesh
+from tools.tables import read_table
+
+SI = {"length": "m", "time": "s", "mass": "kg"}
+
+
+class RunFolder:
+    """What a run wrote, by name."""
+
+    def __init__(self, folder):
+        self.folder = Path(folder)
+        if not self.folder.is_dir():
+            raise BadInput(f"there is no run folder {folder}")
+        if not any((self.folder / name).is_file() for name in ("run.json", "particles.csv", "fluid.csv")):
+            raise BadInput(f"{folder} is not a run folder: it has no run.json, particles.csv or fluid.csv")
+
+    @cached_property
+    def info(self):
+        """run.json as a dict, empty if the run wrote none."""
+        path = self.folder / "run.json"
+        if not path.is_file():
+            return {}
+        try:
+            info = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as problem:
+            raise BadInput(f"cannot read {path}: {problem}") from None
+        if not isinstance(info, dict):
+            raise BadInput(f"{path} must hold one object in braces")
+        return info
+
+    @property
+    def case(self):
+        """The case's name, else the folder's."""
+        return str(self.info.get("case") or self.folder.name)
+
+    @property
+    def title(self):
+        """The case's name as words."""
+        return self.case.replace("_", " ")
+
+    @cached_property
+    def units(self):
+        """Names of the units of length, time and mass."""
+        return {**SI, **(self.info.get("units") or {})}
+
+    def has(self, name):
+        """True if the run wrote NAME.csv."""
+        return (self.folder / f"{name}.csv").is_file()
+
+    def table(self, name):
+        """The columns of NAME.csv."""
+        if not self.has(name):
+            raise BadInput(f"the run {self.folder} has no {name}.csv")
+        return read_table(self.folder / f"{name}.csv")
+
+    @cached_property
+    def particles(self):
+        """particles.csv: one row per particle inside and output time."""
+        return self._with("particles", ("t", "id", "x", "y", "theta", "radius"))
+
+    @cached_property
+    def fluid(self):
+        """fluid.csv: one row per output time."""
+        return self._with("fluid", ("t",))
+
+    @cached_property
+    def contacts(self):
+        """contacts.csv: one row per touching pair and output time."""
+        return self._with("contacts", ("t", "i", "j"))
+
+    def _with(self, name, needed):
+        table = self.table(name)
+        missing = [column for column in needed if column not in table]
+        if missing:
+            raise BadInput(f"{self.folder / (name + '.csv')} has no column {missing[0]}")
+        return table
+
+    @cached_property
+    def mesh(self):
+        """The mesh of the run (see tools/mesh_files.py), None if the folder holds none."""
+        path = self.folder / "mesh.mesh"
+        if path.is_file():
+            return read_mesh(path)
+        named = self.info.get("mesh")
+        return read_mesh(named) if named and Path(named).is_file() else None
+
+    @cached_property
+    def fields(self):
+        """[(t, path)] of the field files in order of time: from fields.pvd, else the
+        steps in the file names looked up in fluid.csv."""
+        listed = self.folder / "fields.pvd"
+        if listed.is_file():
+            try:
+                sets = xml.fromstring(listed.read_text(encoding="utf-8")).iter("DataSet")
+                pairs = [(float(one.get("timestep")), self.folder / one.get("file")) for one in sets]
+            except (OSError, ValueError, TypeError, xml.ParseError) as problem:
+                raise BadInput(f"cannot read {listed}: {problem}") from None
+            return sorted((pair for pair in pairs if pair[1].is_file()), key=lambda pair: pair[0])
+        files = {}
+        for path in self.folder.glob("fields_*.vtu"):
+            step = path.stem.removeprefix("fields_")
+            if step.isdigit():
+                files[int(step)] = path
+        if not files or not self.has("fluid") or "step" not in self.fluid:
+            return []
+        times = dict(zip(self.fluid["step"].astype(int), self.fluid["t"]))
+        return [(float(times[step]), files[step]) for step in sorted(files) if step in times]
+
+    def field(self, k):
+        """The k-th field file as (mesh, {"velocity": (n, 2), "pressure": (n,)})."""
+        return read_field(self.fields[k][1])
+
+    @cached_property
+    def tracks(self):
+        """{id: {column: array}} of particles.csv, each in order of time."""
+        table = self.particles
+        order = np.lexsort((table["t"], table["id"]))
+        ids, first = np.unique(table["id"][order], return_index=True)
+        parts = np.split(order, first[1:])
+        return {int(one): {name: column[rows] for name, column in table.items()}
+                for one, rows in zip(ids, parts)}
+
+    def particles_at(self, time):
+        """(id, x, y, theta, radius) arrays of the particles inside at a time, linear in time
+        between rows; across the seam of a periodic domain the nearer row is taken."""
+        rows = []
+        slack = 1e-5 * abs(time)  # times in fields.pvd may have six digits
+        widths = self.extent[2:] if self.mesh is not None else (np.inf, np.inf)
+        for one, track in self.tracks.items():
+            times = track["t"]
+            if not times[0] - slack <= time <= times[-1] + slack:
+                continue
+            k = int(np.clip(np.searchsorted(times, time), 1, max(1, len(times) - 1)))
+            if len(times) == 1:
+                low = high = 0
+                share = 0.0
+            else:
+                low, high = k - 1, k
+                share = float(np.clip((time - times[low]) / max(times[high] - times[low], 1e-300), 0, 1))
+            if any(abs(track[c][high] - track[c][low]) > 0.5 * w for c, w in zip("xy", widths)):
+                share = round(share)
+            rows.append([one] + [(1 - share) * track[c][low] + share * track[c][high]
+                                 for c in ("x", "y", "theta", "radius")])
+        return np.array(rows, dtype=float).reshape(-1, 5).T
+
+    @cached_property
+    def extent(self):
+        """(x0, y0, width, height) of the mesh, else of the particles' tracks."""
+        if self.mesh is not None:
+            points = self.mesh.points
+        else:
+            table = self.particles
+            r = table["radius"].max() if len(table["radius"]) else 1.0
+            points = np.column_stack([np.r_[table["x"] - r, table["x"] + r], np.r_[table["y"] - r, table["y"] + r]])
+        if not len(points):
+            raise BadInput(f"the run {self.folder} has neither a mesh nor particles to draw")
+        low, high = points.min(axis=0), points.max(axis=0)
+        return (*low, *(high - low))
+
+

@@ -1,0 +1,72 @@
+"""CSV tables with one header row: read by column name, lines starting with # skipped.
+
+A table is a dict of float arrays, all of one length, in the order of the header.
+Errors: BadInput with the file and line of what cannot be read.
+"""
+import csv
+
+import numpy as np
+
+from tools.command import BadInput
+
+
+def read_table(path):
+    """The columns of a CSV file as {name: array}. A last row cut short (a run killed
+    while writing on a full disk) is an error like any other: rows are whole or wrong."""
+    try:
+        with open(path, newline="", encoding="utf-8") as stream:
+            lines = [(number, line) for number, line in enumerate(stream, 1)
+                     if line.strip() and not line.lstrip().startswith("#")]
+    except (OSError, UnicodeDecodeError) as problem:
+        raise BadInput(f"cannot read the table {path}: {problem}") from None
+    if not lines:
+        raise BadInput(f"the table {path} is empty: it needs a header row")
+    names = [name.strip() for name in next(csv.reader([lines[0][1]]))]
+    if len(set(names)) < len(names) or "" in names:
+        raise BadInput(f"{path}, line {lines[0][0]}: the header has an empty or a repeated column name")
+    if all(is_number(name) for name in names):
+        raise BadInput(f"{path}, line {lines[0][0]}: a header row with column names is needed, not numbers")
+    body = lines[1:]
+    if not body:
+        return {name: np.empty(0) for name in names}
+    try:
+        values = np.loadtxt([line for _, line in body], delimiter=",", ndmin=2)
+        if values.shape[1] == len(names):
+            return {name: values[:, k].copy() for k, name in enumerate(names)}
+    except ValueError:
+        pass
+    raise BadInput(first_fault(path, body, names))
+
+
+def is_number(text):
+    """True if float() takes the text."""
+    try:
+        float(text)
+        return True
+    except ValueError:
+        return False
+
+
+def first_fault(path, body, names):
+    """One line on the first row that does not fit the header."""
+    for number, line in body:
+        cells = next(csv.reader([line]))
+        if len(cells) != len(names):
+            return f"{path}, line {number}: {len(cells)} values where the header names {len(names)} columns"
+        for name, cell in zip(names, cells):
+            if not is_number(cell):
+                return f"{path}, line {number}: column {name} needs a number, not '{cell.strip()}'"
+    return f"{path}: the rows cannot be read as numbers"
+
+
+def write_table(path, names, rows):
+    """Write rows (sequences as long as names) as CSV; reals with 12 digits, None as empty."""
+    def shown(value):
+        if value is None:
+            return ""
+        return f"{value:.12g}" if isinstance(value, (float, np.floating)) else value
+    with open(path, "w", newline="", encoding="utf-8") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(names)
+        for row in rows:
+            writer.writerow([shown(value) for value in row])
