@@ -4,10 +4,10 @@
     run.info["parameters"], run.particles["y"], run.fluid["t"], run.field_at(k), run.mesh
 
 Everything is read when first asked for. Errors: BadInput naming the file and what is
-wrong. Units are those of the case; run.units gives their names (SI unless run.json has
-"units": {"length": "cm", "time": "s", "mass": "g"}).
+wrong. Units are those of the case; run.units gives their names.
 """
 import json
+import re
 import xml.etree.ElementTree as xml
 from functools import cached_property
 from pathlib import Path
@@ -57,8 +57,11 @@ class RunFolder:
 
     @cached_property
     def units(self):
-        """Names of the units of length, time and mass."""
-        return {**SI, **(self.info.get("units") or {})}
+        """Names of the units of length, time and mass: those of SI, or of the cgs system
+        where the units of the run's options (run.json: units) speak of cm or g."""
+        units = self.info.get("units") or {}
+        words = set(re.findall("[a-z]+", " ".join(str(unit) for unit in units.values())))
+        return {"length": "cm", "time": "s", "mass": "g"} if words & {"cm", "g"} and not words & {"m", "kg"} else SI
 
     def has(self, name):
         """True if the run wrote NAME.csv."""

@@ -1,0 +1,180 @@
+"""tools.check: values, tolerances, alignment in time, and what it says of the worst place."""
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.synthetic import ROOT, write_csv, write_run
+from tools.check import compare, main, tolerances
+from tools.command import BadInput
+
+
+def table(path, times, values, name="u", ids=None):
+    """A CSV with columns t (, id), name."""
+    if ids is None:
+        write_csv(path, ["t", name], zip(times, values))
+    else:
+        write_csv(path, ["t", "id", name], zip(times, ids, values))
+    return path
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    return write_run(tmp_path_factory.mktemp("check") / "run")
+
+
+def test_a_run_matches_itself(run):
+    result = compare(run, run)
+    assert result, result
+    assert result.compared > 1000 and "within tolerance" in str(result)
+
+
+def test_the_worst_place_is_named(run, tmp_path):
+    other = write_run(tmp_path / "other")
+    lines = (other / "particles.csv").read_text().splitlines()
+    cells = lines[40].split(",")
+    cells[3] = repr(float(cells[3]) + 0.01)
+    lines[40] = ",".join(cells)
+    (other / "particles.csv").write_text("\n".join(lines) + "\n")
+    result = compare(other, run, ["x", "y"], rtol=1e-6)
+    assert not result and result.failed == 1
+    text = str(result)
+    for part in ("particles.csv", "column x", f"t = {float(cells[1]):.9g}", f"id {int(cells[2])}", "got", "expected", "tolerance"):
+        assert part in text
+
+
+def test_a_column_brings_its_own_tolerance(tmp_path):
+    a = table(tmp_path / "a.csv", [0, 1, 2], [1.0, 2.0, 3.0])
+    b = table(tmp_path / "b.csv", [0, 1, 2], [1.0, 2.001, 3.0])
+    assert not compare(b, a, ["u"])
+    assert compare(b, a, ["u:1e-3"])
+    assert not compare(b, a, ["u:1e-4"])
+    assert compare(b, a, ["u:0:0.0011"])
+    assert compare(b, a, {"u": (0, 0.0011)}) and compare(b, a, {"u": 1e-3})
+    assert tolerances(["u", "v:1e-3", "y:0:2"], 1e-6, 0.5) == {"u": (1e-6, 0.5), "v": (1e-3, 0.5), "y": (0, 2)}
+
+
+def test_times_are_aligned_from_either_side(tmp_path):
+    fine, coarse = np.linspace(0, 1, 101), np.linspace(0, 1, 7)
+    a = table(tmp_path / "fine.csv", fine, fine**2)
+    b = table(tmp_path / "coarse.csv", coarse, coarse**2)
+    assert compare(a, b, ["u"], rtol=0, atol=0.01**2 / 4)
+    assert compare(b, a, ["u"], rtol=0, atol=0.01**2 / 4)  # the denser one is interpolated
+
+
+def test_a_run_that_stops_early_fails(tmp_path):
+    times = np.linspace(0, 1, 11)
+    a = table(tmp_path / "whole.csv", times, times)
+    b = table(tmp_path / "short.csv", times[:-1], times[:-1])
+    result = compare(b, a)
+    assert not result and "nothing at t = 1" in str(result)
+    assert compare(a, b)  # a longer run is fine
+
+
+def test_a_particle_may_enter_between_two_rows_of_a_coarser_run(tmp_path):
+    fine = np.linspace(0, 1, 101)
+    reference = table(tmp_path / "r.csv", fine[13:], fine[13:], ids=[4] * 88)
+    coarse = np.linspace(0, 1, 11)[2:]
+    assert compare(table(tmp_path / "c.csv", coarse, coarse, ids=[4] * 9), reference)
+    late = coarse[1:]
+    assert not compare(table(tmp_path / "d.csv", late, late, ids=[4] * 8), reference)
+
+
+def test_particles_that_lack_or_are_too_many(tmp_path):
+    times = np.tile(np.linspace(0, 1, 5), 2)
+    two = table(tmp_path / "two.csv", times, times, ids=[0] * 5 + [7] * 5)
+    one = table(tmp_path / "one.csv", times[:5], times[:5], ids=[0] * 5)
+    assert "no row of id 7" in str(compare(one, two))
+    assert "rows of id 7" in str(compare(two, one))
+    assert compare(two, one, subset=True)
+
+
+def test_rows_of_other_particles_do_not_mix(tmp_path):
+    """Order within the file does not matter, each id is aligned by itself."""
+    a = table(tmp_path / "a.csv", [0, 0, 1, 1], [1, 10, 2, 20], ids=[0, 1, 0, 1])
+    b = table(tmp_path / "b.csv", [1, 0, 0, 1], [20, 10, 1, 2], ids=[1, 1, 0, 0])
+    assert compare(a, b)
+
+
+@pytest.mark.parametrize("bad", ["nan", "inf", "-inf"])
+def test_what_is_not_finite_never_matches(tmp_path, bad):
+    a = table(tmp_path / "a.csv", [0, 1], [1, 2])
+    (tmp_path / "b.csv").write_text(f"t,u\n0,1\n1,{bad}\n")
+    assert not compare(tmp_path / "b.csv", a, rtol=1e3)
+    assert not compare(tmp_path / "b.csv", tmp_path / "b.csv")
+
+
+def test_a_reference_file_finds_its_table_in_the_run(run, tmp_path):
+    rows = (run / "fluid.csv").read_text().splitlines()
+    (tmp_path / "flux.csv").write_text("# source: made up\n" + "\n".join(rows[:20]) + "\n")
+    assert compare(run, tmp_path / "flux.csv", ["flux_in", "flux_out"])
+
+
+def test_contacts_need_rows_at_the_same_time(run, tmp_path):
+    other = write_run(tmp_path / "other")
+    lines = (other / "contacts.csv").read_text().splitlines()
+    (other / "contacts.csv").write_text("\n".join(lines[:3] + lines[4:]) + "\n")
+    assert compare(run, run, ["impulse"])
+    assert "nothing at t" in str(compare(other, run, ["impulse"]))
+
+
+@pytest.mark.parametrize("text,words", [
+    ("", "empty"), ("t,u\n0,1\n1\n", "line 3"), ("t,u\n0,x\n", "column u"), ("0,1\n1,2\n", "header"),
+    ("t,u\n0,1\n0,2\n", "two rows"), ("t,t\n0,1\n", "repeated"), ("a,u\n0,1\n", "no column of time")])
+def test_bad_tables_are_refused_in_words(tmp_path, text, words):
+    good = table(tmp_path / "good.csv", [0, 1], [1, 2])
+    (tmp_path / "bad.csv").write_text(text)
+    with pytest.raises(BadInput, match=words):
+        compare(tmp_path / "bad.csv", good)
+
+
+@pytest.mark.parametrize("columns", [["u:x"], ["u:1:2:3"], ["u:-1"], ["u:nan"], [":1"], ["u", "u"], [], ["w"]])
+def test_bad_columns_are_refused(tmp_path, columns):
+    good = table(tmp_path / "good.csv", [0, 1], [1, 2])
+    with pytest.raises(BadInput):
+        compare(good, good, columns)
+
+
+def test_the_command_ends_with_0_1_3(tmp_path):
+    a = table(tmp_path / "a.csv", [0, 1], [1, 2])
+    b = table(tmp_path / "b.csv", [0, 1], [1, 3])
+    assert main([str(a), str(a)]) == 0
+    assert main([str(b), str(a), "--columns", "u:1e-3"]) == 1
+    for words in ([str(a), str(tmp_path / "none.csv")], [str(a), str(a), "--rtol", "wide"], [str(a)]):
+        done = subprocess.run([sys.executable, "-m", "tools.check", *words], cwd=ROOT, capture_output=True, text=True)
+        assert done.returncode == 3 and done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
+
+
+reals = st.floats(-1e6, 1e6, allow_nan=False)
+
+
+@settings(max_examples=60, deadline=None)
+@given(values=st.lists(reals, min_size=2, max_size=20), at=st.integers(0, 19), size=st.floats(1e-9, 1e3),
+       sign=st.sampled_from([-1, 1]))
+def test_one_changed_value_is_found_where_it_stands(tmp_path_factory, values, at, size, sign):
+    folder = tmp_path_factory.mktemp("h")
+    at %= len(values)
+    times = np.arange(len(values)) * 0.5
+    changed = list(values)
+    changed[at] += sign * size
+    with open(folder / "a.csv", "w") as f, open(folder / "b.csv", "w") as g:
+        for stream, numbers in ((f, values), (g, changed)):
+            stream.write("t,u\n" + "".join(f"{t!r},{float(u)!r}\n" for t, u in zip(times.tolist(), numbers)))
+    difference = abs(changed[at] - values[at])
+    assert compare(folder / "b.csv", folder / "a.csv", rtol=0, atol=difference)
+    if difference > 0:
+        result = compare(folder / "b.csv", folder / "a.csv", rtol=0, atol=0.99 * difference)
+        assert not result and result.failed == 1 and result.worst.time == times[at]
+
+
+@settings(max_examples=40, deadline=None)
+@given(slope=reals, start=reals, n=st.integers(2, 40), m=st.integers(2, 40))
+def test_straight_lines_match_on_any_two_sets_of_times(tmp_path_factory, slope, start, n, m):
+    folder = tmp_path_factory.mktemp("lines")
+    for name, number in (("a", n), ("b", m)):
+        times = np.linspace(0, 1, number)
+        table(folder / f"{name}.csv", times, start + slope * times)
+    assert compare(folder / "b.csv", folder / "a.csv", rtol=0, atol=1e-8 * (1 + abs(start) + abs(slope)))
