@@ -1,0 +1,60 @@
+"""python -m tools.mesh CASE --size 0.01 --out FILE: the mesh of a case, by gmsh or on a grid.
+
+Every case has a recipe under its name (python -m tools.mesh CASE --help lists its
+options). The mesh is checked before it is written: all labels there, labelled edges equal
+to the sides of the domain, no inverted or sliver element. The file is read by FreeFEM's
+readmesh with labels.
+
+Exit statuses: 0 written, 3 bad option or file (one line), 4 a mesh that failed its check.
+"""
+import sys
+
+from tools.command import Parser, guarded
+
+try:
+    from tools.meshing import CASES
+    from tools.meshing.checks import faults, histogram, summary
+    from tools.meshing.medit import write
+except ModuleNotFoundError as missing:
+    if missing.name.startswith("tools"):
+        raise
+    print(f"error: the Python package {missing.name} is not installed: run make setup, then .venv/bin/python -m tools.mesh", file=sys.stderr)
+    sys.exit(3)
+
+FAILED_CHECK = 4
+
+
+def parser():
+    top = Parser(prog="python -m tools.mesh", description=__doc__)
+    cases = top.add_subparsers(dest="case", metavar="CASE", required=True)
+    for name, (recipe, defaults) in CASES.items():
+        about = recipe.__doc__.split("\n")[0]
+        one = cases.add_parser(name, prog=f"python -m tools.mesh {name}", help=about, description=recipe.__doc__)
+        one.add_argument("--out", metavar="FILE", required=True, help="the .mesh file to write; replaced if it is there")
+        one.add_argument("--quality", action="store_true", help="print a histogram of the angles")
+        recipe.add_options(one)
+        one.set_defaults(**defaults)
+    return top
+
+
+def make(options):
+    """The mesh of parsed options, checked: (mesh, list of faults)."""
+    outline, mesh = CASES[options.case][0].build(options)
+    return mesh, faults(mesh, outline)
+
+
+def main():
+    options = parser().parse_args()
+    mesh, found = make(options)
+    if found:
+        print(f"error: the mesh was not written: {found[0]}; ask for smaller elements or other dimensions", file=sys.stderr)
+        return FAILED_CHECK
+    write(mesh, options.out)
+    print(f"{options.out}: {summary(mesh)}")
+    if options.quality:
+        print(histogram(mesh))
+    return 0
+
+
+if __name__ == "__main__":
+    guarded(main)

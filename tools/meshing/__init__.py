@@ -1,0 +1,44 @@
+"""The meshes of the cases: which recipe each case takes, and with which defaults.
+
+A recipe is a module with add_options(parser) and build(options) -> (Outline, PlaneMesh).
+"""
+from tools.meshing import (
+    backward_step,
+    box,
+    box_corridor,
+    cavity,
+    channel,
+    couette,
+    cylinder_channel,
+    periodic_box,
+    pipe,
+    sudden_expansion,
+)
+
+# A turbulent flow with wall functions: first node about 2 mm from the wall, y+ about 200 in water at 2 m/s.
+NEAR_WALL = {"size": 0.008, "wall_factor": 0.3, "wall_band": 0.002, "throat_factor": 0.5, "layer_factor": 0.6}
+
+# Name of a case or of a recipe: (recipe, defaults that differ from the recipe's own).
+CASES = {
+    "pipe_obstacles": (pipe, {}),
+    "pipe_flow": (pipe, NEAR_WALL),
+    "pipe_transport": (pipe, NEAR_WALL),
+    "channel": (channel, {}),
+    "box": (box, {}),
+    "box_corridor": (box_corridor, {}),
+    "cylinder_channel": (cylinder_channel, {}),
+    "backward_step": (backward_step, {}),
+    "sudden_expansion": (sudden_expansion, {}),
+    "periodic_box": (periodic_box, {}),
+    "cavity": (cavity, {}),
+    "couette": (couette, {}),
+    "settling_disk": (box, {}),
+    "drafting_kissing_tumbling": (box, {"size": 1 / 24}),
+    "poiseuille": (channel, {"size": 1 / 8}),
+    "cylinder_between_plates": (channel, {"length": 8.0, "size": 1 / 16}),
+    "taylor_green": (periodic_box, {}),
+    "cylinder_array": (periodic_box, {"size": 1 / 32}),
+    "couette_disk": (couette, {"size": 1 / 32}),
+    "segre_silberberg": (couette, {"size": 1 / 32}),
+    "ellipse_in_shear": (couette, {"length": 2.0, "size": 1 / 32}),
+}

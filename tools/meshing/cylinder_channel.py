@@ -1,0 +1,49 @@
+"""A circular cylinder in a channel (the DFG benchmark), graded to the cylinder and its wake.
+
+The circle is a regular polygon of the circle's own area: its radius is
+r sqrt(2 pi / (n sin(2 pi/n))). The error of the forces falls by an order of magnitude
+against the inscribed polygon.
+"""
+from math import cos, pi, sin, sqrt
+
+from tools.meshing.options import add_length, number, positive, require, whole
+from tools.meshing.outline import Outline, rectangle
+from tools.meshing.unstructured import SizeNear, triangulated
+
+
+def add_options(parser):
+    parser.add_argument("--size", type=positive, default=0.04, metavar="M", help="largest element size (default %(default)g)")
+    add_length(parser, "--length", 2.2, "M", "length of the channel")
+    add_length(parser, "--height", 0.41, "M", "height of the channel")
+    add_length(parser, "--radius", 0.05, "M", "radius of the cylinder")
+    parser.add_argument("--centre", type=number, nargs=2, default=[0.2, 0.2], metavar=("X", "Y"), help="its centre (default 0.2 0.2)")
+    parser.add_argument("--circle-points", type=whole(8), default=64, metavar="N", help="sides of the polygon (default %(default)d)")
+    add_length(parser, "--growth", 0.25, "G", "growth of the size per distance from the cylinder and the wake")
+    add_length(parser, "--wake-factor", 2.0, "F", "size at the start of the wake, as a multiple of a side of the polygon")
+    add_length(parser, "--wake-growth", 0.015, "G", "growth of the size per distance along the wake")
+
+
+def build(options):
+    o, (x, y) = options, options.centre
+    rp = o.radius * sqrt(2 * pi / (o.circle_points * sin(2 * pi / o.circle_points)))
+    gap = min(x, o.length - x, y, o.height - y) - rp
+    require(gap > 0, f"the cylinder of radius {o.radius:g} at ({x:g}, {y:g}) is not within the channel {o.length:g} x {o.height:g}")
+    side = 2 * pi * o.radius / o.circle_points
+    require(side <= gap, f"a side of the cylinder's polygon, {side:g}, is larger than its gap to the wall, {gap:g}: ask for more --circle-points")
+    require(o.size <= o.height / 2, f"the element size {o.size:g} is larger than half the height of the channel, {o.height / 2:g}")
+    angles = [2 * pi * k / o.circle_points for k in range(o.circle_points)]
+    circle = [(x + rp * cos(angle), y + rp * sin(angle), "cylinder") for angle in angles]
+    outline = Outline(rectangle(0, o.length, 0, o.height, "wall", "outlet", "wall", "inlet").loops + [circle])
+    near = [SizeNear(outline.segments("cylinder"), side)] + wake(o, x + rp, y, side)
+    return outline, triangulated(outline, o.size, near, o.growth, single=["cylinder"])
+
+
+def wake(o, x, y, side):
+    """Pieces along the wake, each a little coarser than the one before."""
+    pieces, number = [], 8
+    for k in range(number):
+        start, end = (x + (o.length - x) * part / number for part in (k, k + 1))
+        size = side * o.wake_factor + o.wake_growth * (start - x)
+        if size < o.size:
+            pieces.append(SizeNear([((start, y), (end, y))], size, 1.4 * o.radius))
+    return pieces

@@ -1,0 +1,88 @@
+"""Option types that recipes share, and the refusals they have in common."""
+import argparse
+import math
+
+from tools.command import BadInput
+from tools.meshing.structured import PATTERNS, even, gridded
+from tools.meshing.unstructured import triangulated
+
+
+def number(text):
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number") from None
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a finite number")
+    return value
+
+
+def positive(text):
+    value = number(text)
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"{text} must be positive")
+    return value
+
+
+def non_negative(text):
+    value = number(text)
+    if value < 0:
+        raise argparse.ArgumentTypeError(f"{text} must not be negative")
+    return value
+
+
+def whole(least):
+    """An argument type: a whole number that is at least `least`."""
+
+    def read(text):
+        try:
+            value = int(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"'{text}' is not a whole number") from None
+        if not least <= value <= 1_000_000:
+            raise argparse.ArgumentTypeError(f"{text} must be between {least} and 1000000")
+        return value
+
+    return read
+
+
+def add_size(parser, size, unit, about="element size"):
+    parser.add_argument("--size", type=positive, default=size, metavar=unit, help=f"{about} (default %(default)g)")
+
+
+def add_length(parser, name, default, unit, about):
+    parser.add_argument(name, type=positive, default=default, metavar=unit, help=f"{about} (default %(default)g)")
+
+
+def add_pattern(parser, default):
+    parser.add_argument(
+        "--pattern",
+        choices=[*PATTERNS, "unstructured"],
+        default=default,
+        help="right triangles with diagonals all alike or alternating, or no structure (default %(default)s)",
+    )
+
+
+def add_pattern_structured(parser, default):
+    parser.add_argument(
+        "--pattern", choices=PATTERNS, default=default, help="diagonals of the cells all alike or alternating (default %(default)s)"
+    )
+
+
+def require(true, message):
+    """Refuses the options with this line when the statement is not true."""
+    if not true:
+        raise BadInput(message)
+
+
+def require_cells(size, gap, what, least=2):
+    """Refuses an element size of which fewer than `least` go into a gap."""
+    require(size <= gap / least * (1 + 1e-9), f"the element size {size:g} is too large for {what} of {gap:g}: at most {gap / least:g}")
+
+
+def filled_rectangle(outline, length, height, options, uniform=()):
+    """A mesh of [0, length] x [0, height] in the pattern of the options."""
+    require_cells(options.size, min(length, height), "a side")
+    if options.pattern == "unstructured":
+        return triangulated(outline, options.size, uniform=uniform)
+    return gridded(outline, even(0, length, options.size), even(0, height, options.size), options.pattern)

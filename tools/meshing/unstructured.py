@@ -1,0 +1,135 @@
+"""Unstructured meshes by gmsh, with element sizes that grow away from given lines."""
+from dataclasses import dataclass
+from math import ceil, dist
+
+import numpy as np
+
+from tools.command import BadInput
+from tools.meshing.plane_mesh import finished
+
+MOST_VERTICES = 2_000_000
+
+
+@dataclass
+class SizeNear:
+    """Element size along segments (pairs of points; a point is a segment of no length).
+
+    size holds up to the distance `reach`; beyond, it grows to the bulk size.
+    """
+
+    segments: list
+    size: float
+    reach: float = 0.0
+
+
+def triangulated(outline, size, near=(), growth=0.2, uniform=(), single=()):
+    """A mesh of the outline: elements of `size`, finer near some lines.
+
+    near: list of SizeNear. growth: change of element size per distance. uniform: labels
+    whose sides are divided evenly (periodic sides, so that nodes match). single: labels
+    whose sides stay one edge each. Raises BadInput when far too many vertices would come.
+    """
+    refuse_too_many(outline, size, near)
+    try:
+        import gmsh
+    except (ImportError, OSError) as problem:
+        raise BadInput(f"gmsh cannot be loaded ({problem}); make setup installs it") from None
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        for option, value in {
+            "General.Terminal": 0,
+            "General.NumThreads": 1,
+            "Mesh.Algorithm": 6,  # frontal-Delaunay
+            "Mesh.MeshSizeExtendFromBoundary": 0,
+            "Mesh.MeshSizeFromPoints": 0,
+            "Mesh.MeshSizeFromCurvature": 0,
+            "Mesh.Smoothing": 5,
+        }.items():
+            gmsh.option.setNumber(option, value)
+        surface = add_outline(gmsh, outline, size, uniform, single)
+        set_sizes(gmsh, size, near, growth)
+        gmsh.model.mesh.generate(2)
+        return finished(*extracted(gmsh, surface), outline)
+    except BadInput:
+        raise
+    except Exception as problem:  # gmsh raises plain Exception with its last message
+        raise BadInput(f"gmsh cannot mesh this domain: {problem}") from None
+    finally:
+        gmsh.finalize()
+
+
+def refuse_too_many(outline, size, near):
+    vertices = outline.area() / (0.87 * size**2)
+    for zone in near:
+        length = sum(dist(a, b) for a, b in zone.segments)
+        vertices += length * max(2 * zone.reach, zone.size) / (0.87 * zone.size**2)
+    if vertices > MOST_VERTICES:
+        raise BadInput(f"these sizes would make about {vertices:.1e} vertices; at most {MOST_VERTICES:.0e} are made: ask for larger elements")
+
+
+def add_outline(gmsh, outline, size, uniform, single):
+    """The outline as a surface of the geo kernel; its tag."""
+    geo, loops = gmsh.model.geo, []
+    divisions = {}
+    for loop in outline.loops:
+        points = [geo.addPoint(x, y, 0) for x, y, _ in loop]
+        lines = []
+        for k, (x, y, name) in enumerate(loop):
+            after = (k + 1) % len(loop)
+            line = geo.addLine(points[k], points[after])
+            lines.append(line)
+            if name in single:
+                divisions[line] = 1
+            elif name in uniform:
+                divisions[line] = max(1, round(dist((x, y), loop[after][:2]) / size))
+        loops.append(geo.addCurveLoop(lines))
+    surface = geo.addPlaneSurface(loops)
+    geo.synchronize()
+    for line, number in divisions.items():
+        gmsh.model.mesh.setTransfiniteCurve(line, number + 1)
+    return surface
+
+
+def set_sizes(gmsh, size, near, growth):
+    """The least of the bulk size and the sizes near the given segments as background field."""
+    field, fields = gmsh.model.mesh.field, []
+    bulk = field.add("MathEval")
+    field.setString(bulk, "F", repr(float(size)))
+    fields.append(bulk)
+    for zone in near:
+        points, lines, longest = [], [], 0.0
+        for a, b in zone.segments:
+            ends = [gmsh.model.geo.addPoint(*end, 0) for end in (a, b)]
+            if a == b:
+                points.append(ends[0])
+            else:
+                lines.append(gmsh.model.geo.addLine(*ends))
+                longest = max(longest, dist(a, b))
+        gmsh.model.geo.synchronize()
+        for line in lines:  # only a ruler for distances: it is not divided
+            gmsh.model.mesh.setTransfiniteCurve(line, 2)
+        distance = field.add("Distance")
+        field.setNumbers(distance, "PointsList", points)
+        field.setNumbers(distance, "CurvesList", lines)
+        field.setNumber(distance, "Sampling", min(20000, max(2, ceil(2 * longest / zone.size))))
+        threshold = field.add("Threshold")
+        field.setNumber(threshold, "InField", distance)
+        field.setNumber(threshold, "SizeMin", min(zone.size, size))
+        field.setNumber(threshold, "SizeMax", size)
+        field.setNumber(threshold, "DistMin", zone.reach)
+        field.setNumber(threshold, "DistMax", zone.reach + max(size - zone.size, 1e-12 * size) / growth)
+        fields.append(threshold)
+    least = field.add("Min")
+    field.setNumbers(least, "FieldsList", fields)
+    field.setAsBackgroundMesh(least)
+
+
+def extracted(gmsh, surface):
+    """Points (n, 2) and triangles (m, 3) of a meshed surface, numbered from 0."""
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    coordinates = coordinates.reshape(-1, 3)[:, :2]
+    _, corners = gmsh.model.mesh.getElementsByType(2, surface)
+    used, triangles = np.unique(corners, return_inverse=True)
+    row = np.empty(int(tags.max()) + 1, dtype=int)
+    row[tags.astype(int)] = np.arange(len(tags))
+    return coordinates[row[used.astype(int)]], triangles.reshape(-1, 3)
