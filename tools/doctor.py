@@ -1,0 +1,130 @@
+"""python -m tools.doctor: versions, FreeFEM's plug-ins, and a check of each linear solver.
+
+Every plug-in that a script of the project loads is tried, and one small system is solved
+with each solver the project uses (tools/doctor.edp); its residual must be below 1e-8.
+Environment: FREEFEM names the program (default FreeFem++).
+
+Exit statuses: 0 all is well, 1 something is missing or a residual is too large, 3 bad
+option.
+"""
+import os
+import platform
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from importlib import metadata
+from pathlib import Path
+
+from tools.command import ROOT, Parser, guarded
+
+FREEFEM = os.environ.get("FREEFEM", "FreeFem++")
+SOLVERS = ["UMFPACK", "CHOLMOD", "CG", "MUMPS"]
+LARGEST_RESIDUAL = 1e-8
+USUAL_PLUGINS = {"MUMPS_seq", "iovtk"}
+
+
+def freefem(script):
+    """Runs the text of a script in the root of the project: (status, output)."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "doctor.edp"
+        file.write_text(script)
+        command = [FREEFEM, "-nw", str(file)]
+        try:
+            run = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=120)
+        except (OSError, subprocess.TimeoutExpired) as problem:
+            return -1, str(problem)
+    return run.returncode, run.stdout
+
+
+def plugins_loaded():
+    """Names in the load statements of the project's scripts."""
+    names = set(USUAL_PLUGINS)
+    for folder in ("cases", "scripts", "lib", "tools", "tests"):
+        for file in (ROOT / folder).rglob("*.[ei]d[p]"):
+            names |= set(re.findall(r'^\s*load\s+"([^"]+)"', file.read_text(), flags=re.M))
+    return sorted(names)
+
+
+def blas_of(program):
+    """The BLAS library that a program is linked to, links followed; '?' if that cannot be told."""
+    try:
+        lines = subprocess.run(["ldd", program], capture_output=True, text=True).stdout
+    except OSError:
+        return "?"
+    found = re.search(r"libblas\S* => (\S+)", lines) or re.search(r"libopenblas\S* => (\S+)", lines)
+    return os.path.realpath(found.group(1)) if found else "?"
+
+
+def pinned_packages():
+    """(name, pinned version, installed version or None) of tools/requirements.txt for this Python."""
+    modern = sys.version_info >= (3, 11)
+    for line in (ROOT / "tools" / "requirements.txt").read_text().splitlines():
+        pin = re.match(r"([A-Za-z0-9_-]+)==([^;\s]+)", line)
+        if not pin or ("<" in line and modern) or (">=" in line and not modern):
+            continue
+        try:
+            installed = metadata.version(pin.group(1))
+        except metadata.PackageNotFoundError:
+            installed = None
+        yield pin.group(1), pin.group(2), installed
+
+
+def check_freefem(tell):
+    program = shutil.which(FREEFEM)
+    if program is None:
+        return tell(False, f"{FREEFEM} is not on the PATH: make setup installs it")
+    status, output = freefem('cout << "version " << version << endl;')
+    found = re.search(r"version (\S+)", output)
+    if status != 0 or not found:
+        return tell(False, f"{program} does not run: {output.strip().splitlines()[-1:]}")
+    tell(float(found.group(1)[:3]) >= 4.0, f"FreeFEM {found.group(1)} ({program}); BLAS {blas_of(program)}")
+    status, _ = freefem('include "getARGV.idp"')
+    return tell(status == 0, "FreeFEM's own includes (getARGV.idp)" + ("" if status == 0 else " are not found: see freefem++.pref"))
+
+
+def check_plugins(tell):
+    for name in plugins_loaded():
+        status, _ = freefem(f'load "{name}"')
+        tell(status == 0, f"plug-in {name}" + ("" if status == 0 else " is not found: see freefem++.pref and the package libfreefem++"))
+
+
+def check_solvers(tell):
+    mumps = freefem('load "MUMPS_seq"')[0] == 0
+    status, output = freefem(("macro doctorMumps()1// EOM\n" if mumps else "") + 'include "tools/doctor.edp"')
+    residuals = dict(re.findall(r"^residual (\S+) (\S+)$", output, flags=re.M))
+    for name in SOLVERS:
+        if name not in residuals:
+            tell(False, f"solver {name}: no answer (FreeFem++ ended with status {status})")
+        else:
+            tell(float(residuals[name]) < LARGEST_RESIDUAL, f"solver {name}: relative residual {residuals[name]}")
+
+
+def check_python(tell):
+    tell(sys.version_info >= (3, 10), f"Python {platform.python_version()} on {platform.platform()}, {os.cpu_count()} cores")
+    for name, pinned, installed in pinned_packages():
+        same = installed == pinned
+        tell(same, f"{name} {installed or 'is missing'}" + ("" if same else f" (pinned: {pinned}): make setup installs it"))
+
+
+def main():
+    Parser(prog="python -m tools.doctor", description=__doc__).parse_args()
+    verdicts = []
+
+    def tell(good, words):
+        verdicts.append(bool(good))
+        print(f"{'ok     ' if good else 'FAILED '} {words}", flush=True)
+        return good
+
+    check_python(tell)
+    if check_freefem(tell) is not False:
+        check_plugins(tell)
+        check_solvers(tell)
+    bad = verdicts.count(False)
+    print("all is well" if not bad else f"{bad} of {len(verdicts)} checks failed")
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    guarded(main)
