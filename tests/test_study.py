@@ -1,0 +1,189 @@
+"""tools.study and its parts: orders and their uncertainty, quantities, resuming, failures."""
+import csv
+import math
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.synthetic import ROOT, write_run
+from tools import convergence, quantities, study
+from tools.command import BadInput
+from tools.run_folder import RunFolder
+from tools.runner import run_command
+
+# A stand-in for a case: its disk falls at -5.5 (1 + 0.3 h^2 + 2 dt^2), and it can fail.
+SCRIPT = """
+include "getARGV.idp"
+real dt = getARGV("-dt", 0.01), tEnd = getARGV("-tend", 0.5);
+string out = getARGV("-out", "out"), meshFile = getARGV("-mesh", "");
+mesh Th = readmesh(meshFile);
+real hh = 1./sqrt(real(Th.nt)/2.);
+if (getARGV("-fail", 0.) > dt) { cerr << "error: not converged; take a smaller -dt" << endl; exit(4); }
+exec("mkdir -p '" + out + "'");
+{ ofstream f(out + "/particles.csv"); f.precision(12); f << "step,t,id,x,y,theta,u,v,omega,radius" << endl;
+int n = int(tEnd/dt + 0.5);
+for (int k = 0; k <= n; ++k) f << k << "," << k*dt << ",0,1,2,0,0," << -5.5*(1 + 0.3*hh^2 + 2*dt^2) << ",0,0.1" << endl; }
+"""
+
+
+def square_mesh(which, size):
+    """The mesh of an element size, for run_study."""
+    path = which.out / f"mesh_{size:g}.mesh"
+    if path.is_file():  # made again it would differ: FreeFEM writes the date into it
+        return path
+    n = round(1 / size)
+    script = path.with_suffix(".edp")
+    script.write_text(f'savemesh(square({n}, {n}), "{path}");\n')
+    subprocess.run(["FreeFem++", "-nw", str(script)], check=True, capture_output=True)
+    return path
+
+
+@pytest.fixture
+def case(tmp_path):
+    path = tmp_path / "falling.edp"
+    path.write_text(SCRIPT)
+    return path
+
+
+def rows_of(folder):
+    with open(folder / "study.csv", newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def test_a_study_finds_order_and_limit_and_resumes(case, tmp_path, capsys):
+    words = [str(case), "--meshsize", "0.1", "0.05", "0.025", "--dt", "0.02", "0.01", "--quantity", "mean_v:0.3:0.4",
+             "--reference", "-5.5", "--out", str(tmp_path / "out"), "--jobs", "2"]
+    assert study.main(words, square_mesh) == 0
+    said = capsys.readouterr().out
+    assert "observed order 2.00" in said and "Pareto" in said and "extrapolated -5.5 " in said
+    rows = rows_of(tmp_path / "out")
+    assert len(rows) == 6 and {row["status"] for row in rows} == {"0"}
+    assert float(rows[0]["value"]) == pytest.approx(-5.5 * (1 + 0.3 * 0.01 + 2 * 4e-4), rel=1e-6)
+    assert int(rows[0]["steps"]) == 25 and float(rows[0]["cpu_s"]) > 0 and 5 < float(rows[0]["memory_mib"]) < 500
+    assert (tmp_path / "out" / "study_mean_v_0.3_0.4.png").stat().st_size > 10_000
+    # The second time nothing runs, and another quantity costs nothing.
+    words[words.index("mean_v:0.3:0.4")] = "final_y"
+    assert study.main(words, square_mesh) == 0
+    assert capsys.readouterr().out.count("(done before)") == 6
+    # Another script is another study.
+    case.write_text(SCRIPT + "\n")
+    study.main(words, square_mesh)
+    assert "(done before)" not in capsys.readouterr().out
+
+
+def test_a_failed_run_is_a_row_with_its_reason(case, tmp_path, capsys):
+    words = [str(case), "--meshsize", "0.1", "0.05", "--dt", "0.02", "0.01", "--quantity", "mean_v:0.3:0.4",
+             "--out", str(tmp_path / "out"), "--", "-fail", "0.015"]
+    assert study.main(words, square_mesh) == 1
+    rows = rows_of(tmp_path / "out")
+    failed = [row for row in rows if row["status"] == "4"]
+    assert len(rows) == 4 and len(failed) == 2
+    assert all("not converged; take a smaller -dt" in row["reason"] and row["value"] == "nan" for row in failed)
+    assert "failed: h0.1 dt0.01" in capsys.readouterr().out
+
+
+def test_a_mesh_or_a_quantity_that_fails_is_a_row_too(case, tmp_path):
+    def no_fine_mesh(which, size):
+        if size < 0.1:
+            raise BadInput("no mesh of size 0.05: too fine")
+        return square_mesh(which, size)
+    out = tmp_path / "out"
+    assert study.main([str(case), "--meshsize", "0.1", "0.05", "--quantity", "mean_v:0.3:0.9", "final_y",
+                       "--out", str(out)], no_fine_mesh) == 1
+    reasons = {(row["meshsize"], row["quantity"]): row["reason"] for row in rows_of(out)}
+    assert "too fine" in reasons["0.05", "final_y"] and reasons["0.1", "final_y"] == ""
+    assert "not over 0.3 to 0.9" in reasons["0.1", "mean_v:0.3:0.9"]
+
+
+def test_a_run_is_stopped_at_its_limit_with_its_children(tmp_path):
+    begin = os.times().elapsed
+    done = run_command(["sh", "-c", "sleep 61 & sleep 60"], limit=0.3)
+    assert not done.ok and "limit" in done.reason and os.times().elapsed - begin < 5
+
+
+def test_the_cost_is_that_of_the_run_alone():
+    """An empty run costs next to nothing however large the calling process is."""
+    ballast = np.ones(30_000_000)
+    done = run_command(["sh", "-c", ":"])
+    assert done.ok and done.memory_mb < 60 and done.cpu_s < 1 and ballast[0] == 1
+
+
+def test_quantities_of_ones_own(case, tmp_path):
+    own = tmp_path / "mine.py"
+    own.write_text('import numpy as np\ndef rows(run, factor=1):\n    """Number of rows."""\n'
+                   '    return factor * len(run.particles["t"])\ndef broken(run):\n    return 1 / 0\n')
+    known = quantities.load([own])
+    run = RunFolder(write_run(tmp_path / "run"))
+    assert quantities.evaluate(quantities.parse("rows:2", known), run) == (2 * len(run.particles["t"]), "")
+    value, why = quantities.evaluate(quantities.parse("broken", known), run)
+    assert math.isnan(value) and "division" in why
+    for text in ("nothing", "rows:x", "rows:1:2"):
+        with pytest.raises(BadInput):
+            quantities.parse(text, known)
+
+
+def test_the_quantities_of_a_made_up_run(tmp_path):
+    run = RunFolder(write_run(tmp_path / "run"))
+    known = quantities.load()
+    got = {name: quantities.evaluate(quantities.parse(name, known), run) for name in known}
+    assert all(why == "" for _, why in got.values()), got
+    assert got["mean_u"][0] == pytest.approx(0.9) and got["mean_v"][0] == 0
+    assert got["flux_error"][0] == pytest.approx(1e-4, rel=1e-3)
+    assert got["worst_overlap"][0] == pytest.approx(6e-9 / run.particles["radius"].min())
+
+
+def test_a_mean_is_over_the_window_whatever_the_rows():
+    t = np.array([0, 0.07, 0.2, 0.33, 0.61, 1.0])
+    run = type("Run", (), {"case": "x", "tracks": {0: {"t": t, "v": 3 * t}}})()
+    assert quantities.mean_v(run, 0.1, 0.5) == pytest.approx(0.9)
+
+
+@settings(max_examples=80, deadline=None)
+@given(p=st.floats(0.5, 5), ratio1=st.floats(1.2, 3), ratio2=st.floats(1.2, 3), c=st.floats(0.01, 10),
+       sign=st.sampled_from([-1, 1]), limit=st.floats(-5, 5))
+def test_the_order_of_a_power_law_is_found(p, ratio1, ratio2, c, sign, limit):
+    sizes = np.array([1, ratio1, ratio1 * ratio2]) * 0.1
+    values = limit + sign * c * sizes**p
+    assert convergence.observed_order(sizes, values) == pytest.approx(p, rel=1e-4, abs=1e-4)
+    assert convergence.fitted_order(sizes, values - limit) == pytest.approx(p, rel=1e-3, abs=1e-3)
+    one = convergence.estimate(sizes, values, formal=p)
+    assert one.limit == pytest.approx(limit, abs=1e-6)
+    two = convergence.estimate(sizes, values, formal=2)
+    assert abs(two.limit - limit) <= two.uncertainty + 1e-9 or p < 0.5
+
+
+def test_values_that_oscillate_or_stand_still_give_no_order():
+    one = convergence.estimate([1, 0.5, 0.25], [1.0, 1.2, 1.1])
+    assert math.isnan(one.order) and one.limit == 1.1 and one.uncertainty == pytest.approx(0.6)
+    assert convergence.estimate([1, 0.5, 0.25], [2.0, 2.0, 2.0]).uncertainty == 0
+    assert "one size" in convergence.estimate([1, 0.5], [2.0, math.nan]).note
+    assert "order 2 assumed" in convergence.estimate([1, 0.5], [5.0, 2.0]).note
+
+
+@given(st.lists(st.tuples(st.floats(0.1, 100), st.floats(-10, 10)), max_size=12))
+def test_pareto_points_are_those_that_nothing_beats(points):
+    costs, errors = [p[0] for p in points], [p[1] for p in points]
+    front = convergence.pareto(costs, errors)
+    for k, (cost, error) in enumerate(points):
+        beaten = any((c < cost and abs(e) <= abs(error)) or (c <= cost and abs(e) < abs(error)) for c, e in points)
+        assert (k in front) <= (not beaten)
+    assert bool(front) == bool(points)
+
+
+@pytest.mark.parametrize("words", [
+    ["cases/nothing.edp", "--quantity", "mean_v"], ["CASE"], ["CASE", "--quantity", "nothing"],
+    ["CASE", "--quantity", "mean_v", "--meshsize", "-1"], ["CASE", "--quantity", "mean_v", "--dt", "fast"],
+    ["CASE", "--quantity", "mean_v", "--reference", "1", "2"], ["CASE", "--quantity", "mean_v", "--dt", "0.1", "0.1"],
+    ["CASE", "--quantity", "mean_v", "--", "-dt", "0.1"], ["CASE", "--quantity", "mean_v", "--", "mu"],
+    ["CASE", "--quantity", "mean_v", "--quantities", "nothing.py"]])
+def test_bad_input_is_one_line_and_status_3(case, tmp_path, words):
+    words = [str(case) if word == "CASE" else word for word in words]
+    words[1:1] = ["--out", str(tmp_path / "out")] if len(words) > 1 else []
+    done = subprocess.run([sys.executable, "-m", "tools.study", *words], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 3, done.stderr
+    assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1

@@ -1,0 +1,196 @@
+"""Numbers to judge a run by: each is a function of the run folder's tables.
+
+A study names them: --quantity mean_v, or with arguments mean_v:0.2:0.5. One's own stand
+in a Python file given with --quantities FILE, written like these: a public function whose
+first argument is the run (tools.run_folder.RunFolder) and whose others are numbers with
+defaults. The first line of the docstring is what --help shows. A function that cannot
+give its number raises ValueError with the reason.
+"""
+import importlib.util
+import inspect
+import math
+from pathlib import Path
+
+import numpy as np
+
+from tools.command import BadInput
+
+# Windows of time in which the references of a case are given, s.
+WINDOWS = {"settling_disk": (0.3, 0.4)}
+NOT_QUANTITIES = ("functions_of", "load", "summary", "parse", "evaluate")
+
+
+def _window(run, start, end, times):
+    """The window asked for, else the one of the case's references, else the last quarter."""
+    if math.isnan(start) or math.isnan(end):
+        usual = WINDOWS.get(run.case, (times[0] + 0.75 * (times[-1] - times[0]), times[-1]))
+        start, end = (u if math.isnan(g) else g for g, u in zip((start, end), usual))
+    slack = 1e-6 * max(abs(end), 1e-300)
+    if not start < end:
+        raise ValueError(f"the window from {start:g} to {end:g} is empty")
+    if times[0] > start + slack or times[-1] < end - slack:
+        raise ValueError(f"the rows go from t = {times[0]:.6g} to {times[-1]:.6g}, not over {start:g} to {end:g}")
+    return start, end
+
+
+def _mean(run, times, values, start, end):
+    """Mean over the window, of the straight lines between rows."""
+    start, end = _window(run, start, end, times)
+    inner = (times > start) & (times < end)
+    t = np.concatenate([[start], times[inner], [end]])
+    v = np.interp(t, times, values)
+    return float(np.sum(0.5 * (v[1:] + v[:-1]) * np.diff(t)) / (end - start))
+
+
+def _track(run, particle):
+    """The rows of one particle (by default the first)."""
+    tracks = run.tracks
+    if not tracks:
+        raise ValueError("particles.csv has no rows")
+    one = min(tracks) if particle < 0 else int(particle)
+    if one not in tracks:
+        raise ValueError(f"there is no particle {one}")
+    return tracks[one]
+
+
+def _column(run, name):
+    """A column of fluid.csv and its times."""
+    if name not in run.fluid or not len(run.fluid["t"]):
+        raise ValueError(f"fluid.csv has no rows or no column {name}")
+    return run.fluid["t"], run.fluid[name]
+
+
+def mean_u(run, start=math.nan, end=math.nan, particle=-1):
+    """Mean velocity u of a particle over a window (the case's, else the last quarter)."""
+    track = _track(run, particle)
+    return _mean(run, track["t"], track["u"], start, end)
+
+
+def mean_v(run, start=math.nan, end=math.nan, particle=-1):
+    """Mean velocity v of a particle over a window (the case's, else the last quarter)."""
+    track = _track(run, particle)
+    return _mean(run, track["t"], track["v"], start, end)
+
+
+def mean_omega(run, start=math.nan, end=math.nan, particle=-1):
+    """Mean angular velocity of a particle over a window (the case's, else the last quarter)."""
+    track = _track(run, particle)
+    return _mean(run, track["t"], track["omega"], start, end)
+
+
+def noise_v(run, start=math.nan, end=math.nan, particle=-1):
+    """Standard deviation of v about its parabola over a window, over the mean |v|: what the
+    mesh adds as the particle crosses it."""
+    track = _track(run, particle)
+    start, end = _window(run, start, end, track["t"])
+    inside = (track["t"] >= start - 1e-12) & (track["t"] <= end + 1e-12)
+    t, v = track["t"][inside], track["v"][inside]
+    if len(t) < 5:
+        raise ValueError(f"only {len(t)} rows in the window")
+    s = (t - t.mean()) / max(np.ptp(t), 1e-300)
+    return float(np.std(v - np.polyval(np.polyfit(s, v, 2), s)) / max(abs(v).mean(), 1e-300))
+
+
+def peak_speed(run, particle=-1):
+    """Largest speed of a particle."""
+    track = _track(run, particle)
+    return float(np.hypot(track["u"], track["v"]).max())
+
+
+def final_x(run, particle=-1):
+    """x of a particle at the end."""
+    return float(_track(run, particle)["x"][-1])
+
+
+def final_y(run, particle=-1):
+    """y of a particle at the end."""
+    return float(_track(run, particle)["y"][-1])
+
+
+def final_theta(run, particle=-1):
+    """Angle of a particle at the end, rad."""
+    return float(_track(run, particle)["theta"][-1])
+
+
+def mean_kinetic_energy(run, start=math.nan, end=math.nan):
+    """Mean kinetic energy of the fluid over a window."""
+    return _mean(run, *_column(run, "kinetic_energy"), start, end)
+
+
+def mean_pressure_drop(run, start=math.nan, end=math.nan):
+    """Mean pressure drop over a window."""
+    return _mean(run, *_column(run, "pressure_drop"), start, end)
+
+
+def flux_error(run):
+    """Largest | |flux in| - |flux out| | over the largest flux."""
+    _, inlet = _column(run, "flux_in")
+    _, outlet = _column(run, "flux_out")
+    most = max(abs(inlet).max(), abs(outlet).max())
+    return float(abs(abs(inlet) - abs(outlet)).max() / most) if most > 0 else 0.0
+
+
+def worst_overlap(run):
+    """Largest overlap of two bodies over the smallest radius (0: none)."""
+    _, gap = _column(run, "worst_gap")
+    radius = run.particles["radius"]
+    if not len(radius):
+        raise ValueError("particles.csv has no rows")
+    return float(max(0.0, -gap.min()) / radius.min())
+
+
+def functions_of(module):
+    """{name: function} of the public functions a module defines, and not of those it imports."""
+    return {name: one for name, one in vars(module).items()
+            if inspect.isfunction(one) and not name.startswith("_")
+            and one.__module__ == module.__name__ and name not in NOT_QUANTITIES}
+
+
+def load(extra=()):
+    """The quantities of this module and of the files named in `extra`, which come first."""
+    import tools.quantities as here
+    known = functions_of(here)
+    for k, path in enumerate(extra):
+        if not Path(path).is_file():
+            raise BadInput(f"there is no file of quantities {path}")
+        spec = importlib.util.spec_from_file_location(f"own_quantities_{k}", path)
+        try:
+            module = importlib.util.module_from_spec(spec)
+            spec.loader.exec_module(module)
+        except Exception as problem:
+            raise BadInput(f"the file of quantities {path} cannot be used: {type(problem).__name__}: {problem}") from None
+        found = functions_of(module)
+        if not found:
+            raise BadInput(f"the file of quantities {path} defines no public function")
+        known.update(found)
+    return known
+
+
+def summary(known):
+    """One line per quantity, for --help."""
+    return "\n".join(f"  {name:<22}{(inspect.getdoc(one) or '').splitlines()[0] if one.__doc__ else ''}"
+                     for name, one in sorted(known.items()))
+
+
+def parse(text, known):
+    """'mean_v:0.2:0.5' as a function of the run."""
+    name, *numbers = text.split(":")
+    if name not in known:
+        raise BadInput(f"there is no quantity {name}; known are {', '.join(sorted(known))}")
+    try:
+        numbers = [float(number) for number in numbers]
+        inspect.signature(known[name]).bind(None, *numbers)
+    except ValueError:
+        raise BadInput(f"quantity '{text}' needs numbers behind its name") from None
+    except TypeError:
+        raise BadInput(f"quantity '{text}' has too many or too few numbers: {name}{inspect.signature(known[name])}") from None
+    return lambda run: known[name](run, *numbers)
+
+
+def evaluate(function, run):
+    """(value, "") or (nan, reason)."""
+    try:
+        value = float(function(run))
+    except Exception as problem:  # a user's function may raise anything: it becomes a reason
+        return math.nan, " ".join(str(problem).split()) or type(problem).__name__
+    return (value, "") if math.isfinite(value) else (math.nan, f"the quantity is {value}")

@@ -1,0 +1,171 @@
+"""Run a FreeFEM script from a tool: its status, its cost, and why it failed in one line.
+
+    done = run_case("cases/settling_disk.edp", {"-dt": 0.001}, out="results/x", limit=600)
+    done.ok, done.reason, done.cpu_s, done.wall_s, done.memory_mb, done.log
+
+Each run uses one thread. FREEFEM in the environment names another FreeFem++. Errors:
+BadInput where FreeFEM or the script is not there; a run that fails is not an error.
+"""
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from tools.command import ROOT, BadInput
+
+MEASURE = Path(__file__).with_name("measure.py")
+STATUSES = {1: "syntax error", 2: "a plug-in cannot be loaded", 3: "bad option or input file", 4: "solver failure",
+            5: "inadmissible scene", 6: "assertion inside FreeFEM", 8: "error at run time"}
+
+
+@dataclass
+class Done:
+    """How a run ended. cpu_s: user and system time; memory_mb: peak resident size in MiB."""
+    status: int
+    reason: str
+    cpu_s: float
+    wall_s: float
+    memory_mb: float
+    log: str
+
+    @property
+    def ok(self):
+        """True if the run ended with status 0."""
+        return self.status == 0
+
+
+def freefem():
+    """The program that runs scripts."""
+    name = os.environ.get("FREEFEM") or "FreeFem++"
+    found = shutil.which(name) or shutil.which("FreeFem++-nw")
+    if not found:
+        raise BadInput(f"the program {name} is not there: install FreeFEM (make setup) or name it in FREEFEM")
+    return found
+
+
+def option_words(options):
+    """{"-dt": 0.001} as words of a command line; reals with all their digits."""
+    words = []
+    for name, value in options.items():
+        words += [name, f"{value:.17g}" if isinstance(value, float) and value != float(f"{value:.12g}")
+                  else f"{value:.12g}" if isinstance(value, float) else str(value)]
+    return words
+
+
+def run_case(script, options, out=None, limit=None, cwd=ROOT):
+    """Run a script with options; `out`: its run folder, emptied of an earlier run first.
+    limit: most wall-clock seconds, None for no end."""
+    path = Path(cwd) / script
+    if not path.is_file():
+        raise BadInput(f"there is no script {script}")
+    command = [freefem(), "-nw", str(script), *option_words(options)]
+    if out is not None:
+        shutil.rmtree(out, ignore_errors=True)
+        Path(out).parent.mkdir(parents=True, exist_ok=True)
+        command += ["-out", str(out)]
+    return run_command(command, limit, cwd)
+
+
+def run_command(command, limit=None, cwd=ROOT):
+    """Run a command under measure.py, in a process group of its own that ends with it."""
+    threads = {name: "1" for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS")}
+    begin = time.perf_counter()
+    with tempfile.TemporaryDirectory() as folder:
+        report, log = Path(folder) / "cost", Path(folder) / "log"
+        with open(log, "w") as stream:
+            process = subprocess.Popen([sys.executable, "-I", "-S", str(MEASURE), str(report), *map(str, command)],
+                                       cwd=cwd, stdout=stream, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+                                       env={**os.environ, **threads}, start_new_session=True)
+            try:
+                process.wait(limit)
+                stopped = False
+            except BaseException as problem:
+                stopped = True
+                end_group(process)
+                if not isinstance(problem, subprocess.TimeoutExpired):
+                    raise
+        text = log.read_text(errors="replace")
+        if stopped:
+            wall = time.perf_counter() - begin
+            return Done(124, f"stopped at its limit of {limit:g} s", float("nan"), wall, float("nan"), text)
+        if not report.is_file():
+            last = (text.strip().splitlines() or ["no output"])[-1]
+            return Done(process.returncode or 1, f"could not be started: {last}", float("nan"), float("nan"), float("nan"), text)
+        status, cpu, wall, memory = report.read_text().split()
+    status = int(status)
+    return Done(status, why(status, text) if status else "", float(cpu), float(wall), float(memory), text)
+
+
+def end_group(process):
+    """End the process that was started here, and its children."""
+    for how in (signal.SIGTERM, signal.SIGKILL):
+        try:
+            os.killpg(process.pid, how)
+            process.wait(3)
+        except (ProcessLookupError, subprocess.TimeoutExpired):
+            continue
+
+
+def why(status, text):
+    """One line on a failed run: what the script says of itself, else what the status means."""
+    said = [line.strip() for line in text.splitlines() if line.strip().lower().startswith("error")]
+    if said:
+        return f"{said[0].removeprefix('error:').strip()[:300]} (status {status})"
+    if status < 0:
+        return f"ended by signal {-status}"
+    return f"{STATUSES.get(status, 'failed')} (status {status})"
+
+
+def commit():
+    """Short name of the commit, with + if files differ from it; "unknown" outside a checkout."""
+    try:
+        def git(*words):
+            return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
+        changed = git("status", "--porcelain", "--untracked-files=no", "--", "cases", "lib", "scripts", "tools")
+        return git("rev-parse", "--short=10", "HEAD") + ("+" if changed else "")
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
+
+
+def machine():
+    """The kind of machine and its number of cores, in words."""
+    import platform
+    model = platform.processor() or platform.machine()
+    try:
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.lower().startswith(("model name", "cpu model")):
+                model = line.split(":", 1)[1].strip()
+                break
+    except OSError:
+        pass
+    return f"{model} ({platform.machine()}), {cores()} cores, {platform.system()}"
+
+
+def cores():
+    """How many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def versions():
+    """{program or package: version}."""
+    from importlib import metadata
+    found = {"python": sys.version.split()[0]}
+    for name in ("numpy", "scipy", "matplotlib", "gmsh", "meshio"):
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            pass
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            script = Path(folder) / "version.edp"
+            script.write_text("cout << \"version \" << version << endl;\n")
+            text = subprocess.run([freefem(), "-nw", str(script)], capture_output=True, text=True, timeout=60).stdout
+        found["FreeFEM"] = next(line.split()[1] for line in text.splitlines() if line.startswith("version "))
+    except (BadInput, OSError, StopIteration, subprocess.TimeoutExpired):
+        found["FreeFEM"] = "unknown"
+    return found

@@ -1,0 +1,392 @@
+"""A mesh and time-step refinement study of a case.
+
+    python -m tools.study cases/settling_disk.edp --meshsize 0.0625 0.0417 0.03125 \\
+        --dt 0.002 0.001 --quantity mean_v --reference -5.512
+    python -m tools.study CASE --dt 0.01 0.005 --quantity final_y -- -scheme published -penalty 1e-6
+
+Runs the case at every pair of element size and time step, over the cores, or one by one
+with --timing (the CPU time of a run beside another one is not a measurement). What is
+done is not run again unless the sources, the mesh or the options have changed. What
+stands behind -- goes to the case.
+
+Writes into --out (default results/study/CASE): study.csv (one row per run and quantity;
+a run that failed is a row with its reason), study_QUANTITY.png (error over element size,
+over time step and over CPU time) and the runs. Prints observed orders, the extrapolated
+value with its uncertainty (grid convergence index) and the Pareto points. Without
+--reference errors are taken against the extrapolated value.
+
+Status 0: all runs ended well; 1: some failed; 3: bad input.
+"""
+import concurrent.futures
+import hashlib
+import itertools
+import json
+import math
+import os
+import re
+import statistics
+import sys
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from tools import convergence, quantities
+from tools.command import ROOT, BadInput, Parser, guarded
+from tools.run_folder import RunFolder
+from tools.runner import commit, cores, freefem, run_case, run_command
+from tools.tables import write_table
+
+COLUMNS = ["case", "meshsize", "dt", "options", "quantity", "value", "reference", "error", "relative_error",
+           "cpu_s", "wall_s", "steps", "memory_mib", "timing", "commit", "status", "reason", "run"]
+SOURCES = ("lib/*.idp", "scripts/*.edp", "scripts/*.idp")
+
+
+@dataclass
+class Study:
+    """What to run. meshsizes in the case's unit of length, dts in s; None in a list stands
+    for the case's default. reference: one value per quantity, or None."""
+    script: str
+    meshsizes: list = field(default_factory=lambda: [None])
+    dts: list = field(default_factory=lambda: [None])
+    quantities: list = field(default_factory=list)
+    references: list = None
+    options: dict = field(default_factory=dict)
+    out: Path = None
+    jobs: int = 1
+    timing: bool = False
+    repeats: int = 1
+    limit: float = None
+    retry: bool = False
+    recipe: str = None
+    own: list = field(default_factory=list)
+    formal_order: float = 2.0
+
+    @property
+    def case(self):
+        """The case's name."""
+        return Path(self.script).stem
+
+
+def make_mesh(study, size):
+    """The mesh file of an element size, made by tools.mesh unless it is there already.
+    Raises BadInput with the reason."""
+    recipe = study.recipe or study.case
+    path = Path(study.out) / "meshes" / f"{recipe}_{size:g}.mesh"
+    makers = [*ROOT.glob("tools/mesh.py"), *ROOT.glob("tools/meshing/*.py")]
+    if path.is_file() and all(path.stat().st_mtime > maker.stat().st_mtime for maker in makers):
+        return path
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name("part_" + path.name)
+    done = run_command([sys.executable, "-m", "tools.mesh", recipe, "--size", f"{size:.12g}", "--out", part])
+    if not done.ok or not part.is_file():
+        raise BadInput(f"no mesh of size {size:g}: {done.reason or 'tools.mesh wrote none'}")
+    os.replace(part, path)
+    return path
+
+
+def fingerprint(study, options, mesh):
+    """What a run depends on, as a short hash: script, libraries, options, mesh, program."""
+    total = hashlib.sha256(json.dumps([study.script, sorted(map(str, options.items())), freefem()]).encode())
+    files = [ROOT / study.script, *itertools.chain(*(sorted(ROOT.glob(pattern)) for pattern in SOURCES))]
+    for path in files + ([mesh] if mesh else []):
+        total.update(path.read_bytes())
+    return total.hexdigest()[:20]
+
+
+def name_of(size, dt):
+    """The name of a run's folder."""
+    parts = [f"{letter}{value:g}" for letter, value in (("h", size), ("dt", dt)) if value is not None]
+    return "_".join(parts) or "default"
+
+
+def one_run(study, size, dt, mesh):
+    """Run one pair of size and step, or read what is there; returns its record as a dict.
+    mesh: the file, None for the case's own, or a BadInput why there is none."""
+    name = name_of(size, dt)
+    folder, note = Path(study.out) / "runs" / name, Path(study.out) / "runs" / f"{name}.json"
+    record = {"meshsize": size, "dt": dt, "run": str(folder), "timing": study.timing, "commit": commit(), "fresh": True}
+    if isinstance(mesh, BadInput):
+        return {**record, "status": 3, "reason": str(mesh), "cpu_s": math.nan, "wall_s": math.nan, "memory_mib": math.nan}
+    options = dict(study.options)
+    if mesh is not None:
+        options["-mesh"] = str(mesh)
+    if dt is not None:
+        options["-dt"] = float(dt)
+    key = fingerprint(study, options, mesh)
+    try:
+        old = json.loads(note.read_text())
+    except (OSError, ValueError):
+        old = {}
+    usable = old.get("key") == key and (old.get("status") == 0 or not study.retry) and \
+        old.get("repeats", 0) >= study.repeats and (old.get("timing") or not study.timing)
+    if usable and (folder.is_dir() or old["status"] != 0):
+        return {**old, "fresh": False}
+    note.unlink(missing_ok=True)
+    runs = []
+    for _ in range(study.repeats):
+        runs.append(run_case(study.script, options, out=folder, limit=study.limit))
+        if not runs[-1].ok:
+            break
+    last = runs[-1]
+    record.update(key=key, repeats=study.repeats, status=last.status, reason=last.reason,
+                  cpu_s=statistics.median(r.cpu_s for r in runs), wall_s=statistics.median(r.wall_s for r in runs),
+                  memory_mib=max(r.memory_mb for r in runs))
+    note.parent.mkdir(parents=True, exist_ok=True)
+    (note.with_suffix(".log")).write_text(last.log)
+    part = note.with_suffix(".part")
+    part.write_text(json.dumps(record, indent=1))
+    os.replace(part, note)
+    return record
+
+
+def steps_of(run):
+    """Number of the last step, nan if no table tells."""
+    for name in ("fluid", "particles"):
+        if run.has(name):
+            table = run.table(name)
+            if "step" in table and len(table["step"]):
+                return float(table["step"].max())
+    return math.nan
+
+
+def measure(study, record, functions):
+    """Steps and quantities of a run that ended, added to its record."""
+    record["steps"], record["values"] = math.nan, {}
+    if record["status"] != 0:
+        record["values"] = {name: (math.nan, record["reason"]) for name in functions}
+        return record
+    try:
+        run = RunFolder(record["run"])
+        record["steps"] = steps_of(run)
+    except BadInput as problem:
+        record["values"] = {name: (math.nan, str(problem)) for name in functions}
+        return record
+    record["values"] = {name: quantities.evaluate(one, run) for name, one in functions.items()}
+    return record
+
+
+def run_study(study, mesh_maker=make_mesh, say=print):
+    """Run all and write study.csv; returns (records, {quantity: reference}).
+
+    mesh_maker(study, size) -> path; say: where progress lines go."""
+    known = quantities.load(study.own)
+    functions = {text: quantities.parse(text, known) for text in study.quantities}
+    if not (ROOT / study.script).is_file():
+        raise BadInput(f"there is no script {study.script}")
+    freefem()
+    study.out = Path(study.out or ROOT / "results" / "study" / study.case).resolve()
+    study.out.mkdir(parents=True, exist_ok=True)
+    pairs = sorted(itertools.product(study.meshsizes, study.dts), key=lambda pair: -(pair[0] or 1) ** 2 * (pair[1] or 1))
+    workers = 1 if study.timing else max(1, study.jobs)
+    begin, records, spent, weights = time.perf_counter(), [], 0.0, {p: (p[0] or 1) ** -2 / (p[1] or 1) for p in pairs}
+    with concurrent.futures.ThreadPoolExecutor(workers) as pool:
+        def mesh_of(size):
+            try:
+                return None if size is None else Path(mesh_maker(study, size)).resolve()
+            except BadInput as problem:
+                return problem
+        meshes = dict(zip(study.meshsizes, pool.map(mesh_of, study.meshsizes)))
+        waiting = {pool.submit(one_run, study, size, dt, meshes[size]): (size, dt) for size, dt in pairs}
+        try:
+            for future in concurrent.futures.as_completed(waiting):
+                record = measure(study, future.result(), functions)
+                records.append(record)
+                spent += weights[waiting[future]]
+                write_study(study, records, references_of(study, records))
+                left = (time.perf_counter() - begin) * (sum(weights.values()) / spent - 1)
+                say(progress(record, len(records), len(pairs), left))
+        except BaseException:
+            for future in waiting:
+                future.cancel()
+            raise
+    records.sort(key=lambda r: (-(r["meshsize"] or 0), -(r["dt"] or 0)))
+    references = references_of(study, records)
+    write_study(study, records, references)
+    return records, references
+
+
+def progress(record, number, total, left):
+    """One line on a run that ended."""
+    what = name_of(record["meshsize"], record["dt"]).replace("_", " ")
+    cost = f"{record['cpu_s']:.2f} s CPU" if math.isfinite(record["cpu_s"]) else "no CPU time"
+    result = ", ".join(f"{name} {value:.6g}" if not why else f"{name}: {why}" for name, (value, why) in record["values"].items())
+    if record["status"] != 0:
+        result = f"failed: {record['reason']}"
+    again = "" if record["fresh"] else " (done before)"
+    rest = f", about {left:.0f} s left" if number < total else ""
+    return f"[{number}/{total}] {what}{again}: {cost}, {result}{rest}"
+
+
+def family(records, quantity, key):
+    """(sizes, values) along one size, the other one fixed: the finest other one that has
+    most runs with a value (three count as most)."""
+    other = {"meshsize": "dt", "dt": "meshsize"}[key]
+    best = ([], [])
+    for fixed in sorted({r[other] for r in records}, key=lambda v: -(v or 0)):
+        rows = sorted((r[key], r["values"][quantity][0]) for r in records
+                      if r[other] == fixed and r[key] is not None and math.isfinite(r["values"][quantity][0]))
+        if rows and min(len(rows), 3) >= min(len(best[0]), 3):
+            best = tuple(map(list, zip(*rows)))
+    return best
+
+
+def limits(study, records, quantity):
+    """{"meshsize": (Estimate, finest value of the family), "dt": ...}; a size with fewer
+    than two values is left out."""
+    found = {}
+    for key in ("meshsize", "dt"):
+        sizes, values = family(records, quantity, key)
+        if len(values) >= 2:
+            found[key] = convergence.estimate(sizes, values, study.formal_order), values[0]
+    return found
+
+
+def finest(records, quantity):
+    """The value at the smallest element size and step that has one."""
+    good = [r for r in records if math.isfinite(r["values"][quantity][0])]
+    if not good:
+        return math.nan
+    return min(good, key=lambda r: ((r["meshsize"] or 0), (r["dt"] or 0)))["values"][quantity][0]
+
+
+def extrapolated(study, records, quantity):
+    """(limit, uncertainty) in both sizes; nan where nothing can be said."""
+    found = limits(study, records, quantity)
+    if not found:
+        return math.nan, math.nan
+    return (finest(records, quantity) + sum(one.limit - value for one, value in found.values()),
+            sum(one.uncertainty for one, _ in found.values()))
+
+
+def references_of(study, records):
+    """{quantity: value that errors are taken against}."""
+    if study.references:
+        return dict(zip(study.quantities, study.references))
+    return {name: extrapolated(study, records, name)[0] for name in study.quantities}
+
+
+def write_study(study, records, references):
+    """study.csv, whole at any time."""
+    rows = []
+    for record in records:
+        for name, (value, why) in record["values"].items():
+            reference = references[name]
+            error = value - reference
+            size = abs(reference)
+            rows.append([study.case, record["meshsize"], record["dt"],
+                         " ".join(f"{k} {v}" for k, v in study.options.items()), name, value, reference, error,
+                         error / size if size > 0 else math.nan, record["cpu_s"], record["wall_s"], record["steps"],
+                         record["memory_mib"], int(bool(record["timing"])), record["commit"], record["status"], why,
+                         os.path.relpath(record["run"], study.out)])
+    part = study.out / "study.csv.part"
+    write_table(part, COLUMNS, rows)
+    os.replace(part, study.out / "study.csv")
+
+
+def report(study, records, references):
+    """What the study says of each quantity, in lines."""
+    lines = []
+    for name in study.quantities:
+        lines.append(f"{name}:")
+        for key, (one, _) in limits(study, records, name).items():
+            word = {"meshsize": "element size", "dt": "time step"}[key]
+            order = f"observed order {one.order:.2f}" if math.isfinite(one.order) else "no observed order"
+            lines.append(f"  {word}: {order}, limit {one.limit:.6g} +- {one.uncertainty:.2g} ({one.note})")
+            if study.references:
+                sizes, values = family(records, name, key)
+                fit = convergence.fitted_order(sizes, [v - references[name] for v in values])
+                if math.isfinite(fit):
+                    lines.append(f"    order of the error against the reference: {fit:.2f}")
+        limit, uncertainty = extrapolated(study, records, name)
+        if math.isfinite(limit):
+            lines.append(f"  finest {finest(records, name):.6g}, extrapolated {limit:.6g} +- {uncertainty:.2g}"
+                         + (f", reference {references[name]:.6g}" if study.references else ""))
+        else:
+            lines.append("  nothing to extrapolate from")
+        good = [r for r in records if math.isfinite(r["values"][name][0])]
+        errors = [r["values"][name][0] - references[name] for r in good]
+        for k in convergence.pareto([r["cpu_s"] for r in good], errors):
+            share = f" ({100 * errors[k] / abs(references[name]):+.3g} %)" if references[name] else ""
+            lines.append(f"  Pareto: {good[k]['cpu_s']:8.2f} s CPU, error {errors[k]:+.3g}{share}, "
+                         f"{name_of(good[k]['meshsize'], good[k]['dt']).replace('_', ' ')}")
+    failed = [r for r in records if r["status"] != 0]
+    for r in failed:
+        lines.append(f"failed: {name_of(r['meshsize'], r['dt']).replace('_', ' ')}: {r['reason']}")
+    if not study.timing and study.jobs > 1:
+        lines.append("CPU times are of runs beside one another; --timing measures them one by one")
+    return lines
+
+
+def positive(text):
+    """A number above 0, for the parser."""
+    value = float(text)
+    if not (value > 0 and math.isfinite(value)):
+        raise ValueError
+    return value
+
+
+positive.__name__ = "number above 0"
+
+
+def parser():
+    """The options."""
+    options = Parser(prog="python -m tools.study", epilog="quantities (quantity:number:... gives arguments):\n"
+                     + quantities.summary(quantities.load()), description=__doc__)
+    options.add_argument("script", help="the case, such as cases/settling_disk.edp")
+    options.add_argument("--meshsize", nargs="+", type=positive, metavar="H", help="element sizes (default: the case's mesh)")
+    options.add_argument("--dt", nargs="+", type=positive, metavar="DT", help="time steps, s (default: the case's)")
+    options.add_argument("--quantity", nargs="+", required=True, metavar="NAME", help="what to measure, see below")
+    options.add_argument("--reference", nargs="+", type=float, metavar="VALUE", help="exact values, one per quantity")
+    options.add_argument("--quantities", nargs="+", default=[], metavar="FILE", help="Python files with quantities of your own")
+    options.add_argument("--order", type=positive, default=2.0, help="formal order of the scheme (default 2)")
+    options.add_argument("--out", metavar="DIR", help="where all goes (default results/study/CASE)")
+    options.add_argument("--jobs", type=int, default=cores(), metavar="N", help=f"runs at a time (default {cores()}: the cores)")
+    options.add_argument("--timing", action="store_true", help="one run at a time, so that CPU times are measurements")
+    options.add_argument("--repeat", type=int, default=1, metavar="N", help="runs of each, the median time counts (default 1)")
+    options.add_argument("--limit", type=positive, metavar="S", help="stop a run after so many seconds: a row with that reason")
+    options.add_argument("--retry", action="store_true", help="run again what failed before")
+    options.add_argument("--recipe", metavar="NAME", help="recipe of tools.mesh (default: the case's name)")
+    return options
+
+
+def case_options(words):
+    """["-mu", "0.1"] as a dict."""
+    if len(words) % 2 or any(not re.match(r"-[A-Za-z]", name) for name in words[::2]):
+        raise BadInput("behind -- stand options of the case, each a name with - and a value")
+    taken = set(words[::2]) & {"-dt", "-mesh", "-out"}
+    if taken:
+        raise BadInput(f"{taken.pop()} is set by the study; give --dt, --meshsize or --out before --")
+    return dict(zip(words[::2], words[1::2]))
+
+
+def main(words=None, mesh_maker=make_mesh):
+    """0 if all runs ended well, 1 if some failed."""
+    words = list(sys.argv[1:] if words is None else words)
+    cut = words.index("--") if "--" in words else len(words)
+    given = parser().parse_args(words[:cut])
+    if given.reference and len(given.reference) != len(given.quantity):
+        raise BadInput(f"{len(given.reference)} references for {len(given.quantity)} quantities: give one each")
+    if given.reference and not all(map(math.isfinite, given.reference)):
+        raise BadInput("a reference must be a finite number")
+    if given.jobs < 1 or given.repeat < 1:
+        raise BadInput("--jobs and --repeat must be at least 1")
+    for name, values in (("--meshsize", given.meshsize), ("--dt", given.dt), ("--quantity", given.quantity)):
+        if values and len(set(values)) < len(values):
+            raise BadInput(f"{name} names one value twice")
+    script = os.path.relpath(Path(given.script).resolve(), ROOT) if Path(given.script).is_file() else given.script
+    study = Study(script, given.meshsize or [None], given.dt or [None], given.quantity, given.reference,
+                  case_options(words[cut + 1:]), given.out and Path(given.out), given.jobs, given.timing, given.repeat,
+                  given.limit, given.retry, given.recipe, given.quantities, given.order)
+    records, references = run_study(study, mesh_maker, say=lambda line: print(line, flush=True))
+    for line in report(study, records, references):
+        print(line)
+    from tools.study_figure import draw_study
+    for name in study.quantities:
+        path = draw_study(study, records, name, references[name], extrapolated(study, records, name)[1])
+        print(f"figure: {path}" if path else f"figure of {name}: left out, no finite error")
+    print(f"table: {study.out / 'study.csv'}")
+    return 1 if any(r["status"] != 0 or any(why for _, why in r["values"].values()) for r in records) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(guarded(main))

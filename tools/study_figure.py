@@ -1,0 +1,99 @@
+"""The figure of a refinement study: error over element size, time step and CPU time."""
+import math
+import re
+
+import numpy as np
+from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
+
+from tools.convergence import pareto
+from tools.plotting import MARKERS, PAGE_WIDTH, curve, plt, save
+from tools.run_folder import RunFolder
+
+
+def units_of(records):
+    """Unit names of the first run that ended."""
+    for record in records:
+        if record["status"] == 0:
+            return RunFolder(record["run"]).units
+    return {"length": "m", "time": "s"}
+
+
+def plain(axis, values=None):
+    """A log axis with plain numbers: the values themselves if they are few, else 1, 2, 5
+    of each decade, else the decades."""
+    low, high = axis.get_view_interval()
+    values = sorted(set(values or ()))
+    if values and len(values) <= 6 and all(b > 1.15 * a for a, b in zip(values, values[1:])):
+        axis.set_major_locator(FixedLocator(values))
+        axis.set_minor_locator(NullLocator())
+    elif high < 2 * low:
+        axis.set_major_locator(MaxNLocator(4))
+    elif high < 1000 * low:
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high > 8 * low else (1, 1.5, 2, 3, 5, 7)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def slopes(axes, sizes, top):
+    """Grey lines of order 1 and 2 through the largest error at the largest size."""
+    h = np.array([min(sizes), max(sizes)])
+    for order, dash in ((1, (0, (1, 1.5))), (2, (0, (4, 2)))):
+        axes.plot(h, top * (h / h[1]) ** order, color="#808080", linewidth=0.9, linestyle=dash, zorder=1,
+                  label=f"order {order}")
+
+
+def draw_study(study, records, quantity, reference, uncertainty):
+    """Write study_QUANTITY.png; returns its path, None if no run has a finite error."""
+    rows = [r for r in records if math.isfinite(r["values"][quantity][0] - reference)]
+    percent = 100 / abs(reference) if reference else 1.0
+    error = {id(r): percent * abs(r["values"][quantity][0] - reference) for r in rows}
+    rows = [r for r in rows if error[id(r)] > 0]
+    if not rows:
+        return None
+    units = units_of(records)
+    label = f"error of {quantity.split(':')[0]}" + (" (%)" if reference else "")
+    axes_of = [(key, other, name) for key, other, name in (
+        ("meshsize", "dt", f"element size ({units['length']})"), ("dt", "meshsize", f"time step ({units['time']})"))
+        if len({r[key] for r in rows if r[key] is not None}) > 1]
+    number = len(axes_of) + 1
+    figure, panels = plt.subplots(1, number, figsize=(min(PAGE_WIDTH * 1.25, 3.1 * number + 0.4), 3.3), sharey=True,
+                                  layout="constrained", squeeze=False)
+    panels = panels[0]
+    for axes, (key, other, name) in zip(panels, axes_of):
+        for k, fixed in enumerate(sorted({r[other] for r in rows}, key=lambda v: -(v or 0))):
+            line = sorted((r[key], error[id(r)]) for r in rows if r[other] == fixed and r[key] is not None)
+            word = {"dt": "time step", "meshsize": "element size"}[other]
+            axes.plot(*zip(*line), marker=MARKERS[k % len(MARKERS)], markersize=5, **curve(k),
+                      label=f"{word} {fixed:.4g}" if fixed is not None else None)
+        slopes(axes, [r[key] for r in rows if r[key] is not None], max(error.values()))
+        axes.set_xlabel(name)
+    last = panels[-1]
+    timed = [r for r in rows if math.isfinite(r["cpu_s"]) and r["cpu_s"] > 0]
+    for k, size in enumerate(sorted({r["meshsize"] for r in timed}, key=lambda v: -(v or 0))):
+        some = [r for r in timed if r["meshsize"] == size]
+        last.plot([r["cpu_s"] for r in some], [error[id(r)] for r in some], linestyle="none",
+                  marker=MARKERS[k % len(MARKERS)], markersize=6, color=curve(k)["color"],
+                  label=f"element size {size:.4g}" if size is not None else "runs")
+    front = [timed[k] for k in pareto([r["cpu_s"] for r in timed], [error[id(r)] for r in timed])]
+    last.plot([r["cpu_s"] for r in front], [error[id(r)] for r in front], color="#808080", linewidth=1, zorder=1,
+              label="Pareto points")
+    last.set_xlabel("CPU time (s)")
+    for axes in panels:
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        axes.margins(x=0.12)
+        axes.grid(True)
+        if math.isfinite(uncertainty) and uncertainty > 0 and not study.references:
+            axes.axhspan(0, percent * uncertainty, color="#dddddd", zorder=0, label="uncertainty of the limit")
+    values = list(error.values())
+    panels[0].set_ylim(0.5 * min(values), 2.0 * max(values))
+    for axes, (key, _, _) in zip(panels, axes_of):
+        plain(axes.xaxis, [r[key] for r in rows if r[key] is not None])
+    plain(last.xaxis)
+    for axes in panels:
+        axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=1)
+    plain(panels[0].yaxis)
+    panels[0].set_ylabel(label)
+    against = "the reference" if study.references else "the extrapolated value"
+    figure.suptitle(f"{study.case.replace('_', ' ')}: {quantity} against {against} {reference:.6g}", fontsize=10)
+    return save(figure, study.out / f"study_{re.sub('[^A-Za-z0-9_.-]+', '_', quantity)}.png")
