@@ -60,8 +60,8 @@ class RunFolder:
         """Names of the units of length, time and mass: those of SI, or of the cgs system
         where the units of the run's options (run.json: units) speak of cm or g."""
         units = self.info.get("units") or {}
-        words = set(re.findall("[a-z]+", " ".join(str(unit) for unit in units.values())))
-        return {"length": "cm", "time": "s", "mass": "g"} if words & {"cm", "g"} and not words & {"m", "kg"} else SI
+        words = set(re.findall("[A-Za-z]+", " ".join(str(unit) for unit in units.values())))
+        return {"length": "cm", "time": "s", "mass": "g"} if words & {"cm", "g"} else SI
 
     def has(self, name):
         """True if the run wrote NAME.csv."""
@@ -115,7 +115,8 @@ class RunFolder:
                 pairs = [(float(one.get("timestep")), self.folder / one.get("file")) for one in sets]
             except (OSError, ValueError, TypeError, xml.ParseError) as problem:
                 raise BadInput(f"cannot read {listed}: {problem}") from None
-            return sorted((pair for pair in pairs if pair[1].is_file()), key=lambda pair: pair[0])
+            latest = {path: time for time, path in pairs if path.is_file()}  # a file listed twice: the later entry
+            return sorted(((time, path) for path, time in latest.items()), key=lambda pair: pair[0])
         files = {}
         for path in self.folder.glob("fields_*.vtu"):
             step = path.stem.removeprefix("fields_")

@@ -1,0 +1,137 @@
+"""tools.validate: the registry, the judging of a row, the report, and failures as rows."""
+import csv
+import math
+import subprocess
+import sys
+import types
+
+import pytest
+
+from tests.synthetic import ROOT, write_csv
+from tools import validate
+from tools.command import BadInput
+from tools.run_folder import RunFolder
+from tools.validation import Context, Failed, Run, discover, judge, settling_disk
+
+
+def read_report(folder):
+    text = (folder / "report.csv").read_text()
+    head = dict(line[2:].split(": ", 1) for line in text.splitlines() if line.startswith("# "))
+    rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
+    return head, rows
+
+
+def good(context):
+    """One that passes."""
+    figure = context.figure_path("curves")
+    figure.write_bytes(b"")
+    yield context.row("a number <b>", "exact & known", 2.0, 2.001, rtol=1e-3, cpu_s=1.5, figure=figure)
+
+
+def bad(context):
+    """One that is off, and then breaks."""
+    yield context.row("another", "exact", 0.0, 0.5, atol=0.1)
+    raise Failed("cells_4: not converged (status 4)", 3.0)
+
+
+def broken(context):
+    """One with a mistake in it."""
+    return [1 / 0]
+
+
+def test_a_report_is_written_with_its_heading_and_failures_as_rows(tmp_path):
+    rows = validate.validate([("first", good), ("second", bad), ("third", broken)], tmp_path, say=lambda line: None)
+    assert [row.passed for row in rows] == [True, False, False, False]
+    head, table = read_report(tmp_path)
+    assert {"date", "commit", "host", "versions"} <= set(head)
+    assert all(name in head["versions"] for name in ("FreeFEM", "python", "numpy", "gmsh")) and "cores" in head["host"]
+    assert [row["pass"] for row in table] == ["yes", "no", "no", "no"]
+    assert table[0]["figure"] == "figures/first_curves.png" and float(table[0]["cpu_s"]) == 1.5
+    assert table[2]["reason"] == "cells_4: not converged (status 4)" and float(table[2]["cpu_s"]) == 3
+    assert table[3]["reason"].startswith("ZeroDivisionError")
+    page = (tmp_path / "report.html").read_text()
+    assert "a number &lt;b&gt;" in page and "exact &amp; known" in page and "1 of 4 comparisons pass." in page
+    assert page.count("<img") == 1 and head["commit"] in page
+
+
+def test_a_run_that_fails_is_a_row_and_the_rest_goes_on(tmp_path):
+    script = tmp_path / "stops.edp"
+    script.write_text('cerr << "error: overlap of particles 1 and 2" << endl; exit(5);\n')
+
+    def one(context):
+        context.run(str(script), {}, "first")
+        yield None
+    rows = validate.validate([("stops", one), ("first", good)], tmp_path / "out", say=lambda line: None)
+    assert rows[0].reason == "first: overlap of particles 1 and 2 (status 5)" and rows[1].passed
+
+
+@pytest.mark.parametrize("measured,options,passed", [
+    (1.01, {"rtol": 0.011}, True), (1.01, {"rtol": 0.009}, False), (1.01, {"atol": 0.02}, True), (3, {"at_most": 3}, True),
+    (3, {"at_most": 2}, False), (3, {"at_least": 2}, True), (math.nan, {"rtol": 1}, False), (math.inf, {"at_most": 1}, False),
+    (math.nan, {"at_most": 1}, False), (math.nan, {"at_least": 1}, False)])
+def test_judging(measured, options, passed):
+    assert judge(1.0, measured, **options)[0] is passed
+
+
+def test_every_registered_comparison_has_a_line_on_itself():
+    found = discover()
+    assert "settling_disk" in found
+    for functions in found.values():
+        assert functions and all(one.__doc__ for one in functions)
+
+
+def test_names_of_modules_and_of_functions_pick():
+    found = {"first": [good], "second": [bad, broken]}
+    assert validate.chosen(found, ["second"]) == [("second", bad), ("second", broken)]
+    assert validate.chosen(found, ["bad", "first", "second"]) == [("second", bad), ("first", good), ("second", broken)]
+    assert len(validate.chosen(found, [])) == 3
+    with pytest.raises(BadInput, match="no comparison third"):
+        validate.chosen(found, ["third"])
+
+
+def test_the_command(tmp_path, capsys):
+    assert validate.main(["--out", str(tmp_path), "good"], {"first": [good, bad]}) == 0
+    assert validate.main(["--out", str(tmp_path), "--case", "bad"], {"first": [good, bad]}) == 1
+    assert "FAIL" in capsys.readouterr().out
+    done = subprocess.run([sys.executable, "-m", "tools.validate", "nothing"], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 3 and done.stderr.count("\n") == 1 and "settling_disk" in done.stderr
+
+
+def disk_like_published(folder, factor=1.0):
+    """A run folder whose disk follows the digitised curves."""
+    (t_y, y), (t_v, v) = settling_disk.published()
+    import numpy as np
+    t = np.linspace(0.02, 0.8, 400)
+    folder.mkdir(parents=True)
+    write_csv(folder / "particles.csv", "step,t,id,x,y,theta,u,v,omega,radius".split(","),
+              [[k, s, 0, 1, np.interp(s, t_y, y), 0, 0, factor * np.interp(s, t_v, v), 0, 0.125] for k, s in enumerate(t)])
+    return Run(RunFolder(folder), 1.0, 50.0)
+
+
+def test_the_settling_disk_passes_on_its_own_reference_and_not_beside_it(tmp_path, monkeypatch):
+    for factor, expected in ((1.0, True), (1.03, False)):
+        context = Context("settling_disk", tmp_path / str(factor))
+        monkeypatch.setattr(context, "run", lambda script, options, name, mesh: disk_like_published(
+            tmp_path / f"{factor}_{name}", factor))
+        rows = list(settling_disk.settling_disk(context))
+        assert len(rows) == 12
+        means = [row for row in rows if "mean velocity" in row.quantity]
+        # The published curve itself lies 0.2 % beside the body-fitted mean, more than is allowed at D/h = 8.
+        assert means[0].passed is expected
+        assert all(row.passed is expected for row in rows if "peak" in row.quantity)
+        assert (tmp_path / str(factor) / "figures" / "settling_disk_curves.png").stat().st_size > 10_000
+
+
+def test_the_settling_disk_says_which_run_failed(tmp_path, monkeypatch):
+    context = Context("settling_disk", tmp_path)
+
+    def fails(script, options, name, mesh):
+        raise Failed(f"{name}: no room", 2.0)
+    monkeypatch.setattr(context, "run", fails)
+    rows = list(settling_disk.settling_disk(context))
+    assert [row.reason for row in rows] == ["cells_4: no room", "cells_6: no room", "cells_8: no room"]
+    assert not any(row.passed for row in rows)
+
+
+def test_discover_leaves_out_modules_without_a_list():
+    assert discover(types.SimpleNamespace(__path__=[], __name__="tools.validation")) == {}
