@@ -7,6 +7,7 @@ Each run uses one thread. FREEFEM in the environment names another FreeFem++. Er
 BadInput where FreeFEM or the script is not there; a run that fails is not an error.
 """
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -113,9 +114,11 @@ def end_group(process):
 
 def why(status, text):
     """One line on a failed run: what the script says of itself, else what the status means."""
-    said = [line.strip() for line in text.splitlines() if line.strip().lower().startswith("error")]
-    if said:
-        return f"{said[0].removeprefix('error:').strip()[:300]} (status {status})"
+    lines = [" ".join(line.split()) for line in text.splitlines()]
+    own = [line.removeprefix("error:").strip() for line in lines if line.startswith("error:")]
+    of_freefem = [line for line in lines if re.search("error opening|(exec|compile) error ?:|assertion", line, re.IGNORECASE)]
+    for said in own + of_freefem:
+        return f"{said[:300]} (status {status})"
     if status < 0:
         return f"ended by signal {-status}"
     return f"{STATUSES.get(status, 'failed')} (status {status})"

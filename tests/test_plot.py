@@ -1,0 +1,211 @@
+"""tools.plot, tools.film and the readers they stand on: what is made, and from what."""
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from tests.synthetic import ROOT, write_csv, write_run
+from tools import plot
+from tools.command import BadInput
+from tools.film import frame_rate, make_film, mp4_possible
+from tools.mesh_files import chains, read_mesh
+from tools.plotting import panels, plt, speed_top
+from tools.run_folder import RunFolder
+from tools.tables import read_table
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A made-up run with fields written by FreeFEM."""
+    return write_run(tmp_path_factory.mktemp("plot") / "run", fields=8, n=8)
+
+
+@pytest.fixture
+def run(folder):
+    return RunFolder(folder)
+
+
+def test_all_pictures_are_made(folder, tmp_path, capsys):
+    assert plot.main([str(folder), "--out", str(tmp_path / "new" / "figures")]) == 0
+    said = capsys.readouterr().out
+    out = tmp_path / "new" / "figures"
+    for name in ("fields.png", "trajectories.png", "series.png"):
+        assert (out / name).stat().st_size > 10_000 and str(out / name) in said
+        picture = plt.imread(out / name)
+        assert picture.shape[1] > 1000 and picture[:, :, :3].std() > 0.02  # not blank
+    films = list(out.glob("film.*"))
+    assert len(films) == 1 and films[0].stat().st_size > 5_000
+    assert not list(out.glob("*part*"))
+
+
+def test_the_film_has_a_frame_per_field(run, tmp_path):
+    if not mp4_possible():
+        pytest.skip("no ffmpeg here: the film is a gif")
+    import imageio_ffmpeg
+    path = make_film(run, tmp_path)
+    frames, _ = imageio_ffmpeg.count_frames_and_secs(str(path))
+    assert path.name == "film.mp4" and frames == 9
+
+
+def test_a_gif_where_no_mp4_can_be_made(run, tmp_path):
+    from PIL import Image
+    path = make_film(run, tmp_path, most=4, gif=True)
+    with Image.open(path) as film:
+        assert path.name == "film.gif" and film.n_frames == 4
+
+
+@pytest.mark.parametrize("binary", [True, False])
+def test_fields_of_freefem_are_read_in_both_forms(tmp_path, binary):
+    run = RunFolder(write_run(tmp_path / "run", fields=2, n=6, binary=binary))
+    assert [t for t, _ in run.fields] == [0, 0.5, 1]
+    mesh, values = run.field(2)
+    assert values["velocity"].shape == (len(mesh.points), 2) and values["pressure"].shape == (len(mesh.points),)
+    assert np.allclose(values["pressure"], 100 * (1 - mesh.points[:, 0]), atol=1e-4)
+    assert np.allclose(mesh.points, run.mesh.points, atol=1e-6)
+    assert np.array_equal(np.sort(mesh.triangles), np.sort(run.mesh.triangles))
+
+
+def test_the_mesh_keeps_its_labels(run):
+    assert set(run.mesh.labels) == {1, 2, 3, 4, 5}
+    ends = run.mesh.points[run.mesh.edges]
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    assert lengths[run.mesh.labels == 1].sum() == pytest.approx(0.2)
+    corner = run.mesh.points[run.mesh.triangles]
+    a, b = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    assert 0.5 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum() == pytest.approx(0.2 - 0.01 * 0.06 - 0.04 * 0.05)
+
+
+def test_chains_use_every_edge_once():
+    ring = np.array([[0, 1], [2, 1], [2, 3], [3, 0], [5, 6], [7, 6]])
+    lines = chains(ring)
+    used = sorted(tuple(sorted(pair)) for line in lines for pair in zip(line[:-1].tolist(), line[1:].tolist()))
+    assert used == sorted(tuple(sorted(pair)) for pair in ring.tolist())
+    assert sorted(len(line) for line in lines) == [3, 5]
+
+
+def test_without_a_list_of_fields_times_come_from_the_steps(tmp_path):
+    folder = write_run(tmp_path / "run", fields=2, n=6)
+    (folder / "fields.pvd").unlink()
+    run = RunFolder(folder)
+    assert [path.name for _, path in run.fields] == ["fields_0.vtu", "fields_10.vtu", "fields_20.vtu"]
+    assert [t for t, _ in run.fields] == pytest.approx([0, 0.1, 0.2])
+
+
+def test_a_run_without_fields_or_mesh_is_drawn_from_its_particles(tmp_path, capsys):
+    folder = write_run(tmp_path / "run", steps=20)
+    assert plot.main([str(folder), "--frames", "5"]) == 0
+    assert (folder / "fields.png").is_file() and (folder / "trajectories.png").is_file()
+
+
+def test_what_a_run_does_not_hold_is_said(tmp_path, capsys):
+    write_csv(tmp_path / "fluid.csv", ["t", "kinetic_energy"], [[0, 1], [1, 2]])
+    assert plot.main([str(tmp_path)]) == 0
+    said = capsys.readouterr().out
+    assert "series:" in said and "trajectories: left out" in said and "film: left out" in said
+    write_csv(tmp_path / "fluid.csv", ["t", "kinetic_energy"], [])
+    with pytest.raises(BadInput, match="nothing"):
+        plot.main([str(tmp_path)])
+
+
+def test_particles_are_where_the_rows_say(run):
+    t = run.particles["t"][500]
+    ids, x, y, theta, radius = run.particles_at(t)
+    here = run.particles["t"] == t
+    assert np.array_equal(ids, run.particles["id"][here])
+    assert np.allclose(x, run.particles["x"][here]) and np.allclose(radius, run.particles["radius"][here])
+    between = run.particles_at(t + 0.5 * 0.01)
+    assert np.allclose(between[1][:1], x[:1] + 0.005 * (run.tracks[0]["x"][1] - run.tracks[0]["x"][0]) / 0.01)
+
+
+def test_a_track_across_a_periodic_seam_is_cut():
+    track = {"x": np.array([0.7, 0.9, 0.1, 0.3]), "y": np.zeros(4)}
+    pieces = plot.broken(track, (0, 0, 1, 1))
+    assert [len(piece) for piece in pieces] == [2, 2]
+
+
+def test_six_times_are_spread_and_end_at_the_end():
+    frames = [(0.1 * k, k) for k in range(61)]
+    assert [k for _, k in plot.spread(frames)] == [10, 20, 30, 40, 50, 60]
+    assert plot.spread(frames[:4]) == frames[:4]
+    uneven = [(t, k) for k, t in enumerate([0, 0.01, 0.02, 0.03, 0.04, 0.05, 10])]
+    picked = [k for _, k in plot.spread(uneven)]
+    assert picked == sorted(set(picked)) and len(picked) == 6 and picked[-1] == 6
+
+
+@pytest.mark.parametrize("w,h", [(1, 0.2), (2, 6), (1, 1), (22, 4.1), (0.01, 0.3), (50, 1)])
+def test_panels_fit_a_page_and_do_not_overlap(w, h):
+    figure, axes, bar = panels(6, (0, 0, w, h))
+    width, height = figure.get_size_inches()
+    assert width <= 7.3 and height <= 8.7
+    boxes = [one.get_position() for one in axes] + [bar.get_position()]
+    for k, a in enumerate(boxes):
+        assert 0 <= a.x0 < a.x1 <= 1 and 0 <= a.y0 < a.y1 <= 1
+        for b in boxes[k + 1:]:
+            assert a.x1 <= b.x0 or b.x1 <= a.x0 or a.y1 <= b.y0 or b.y1 <= a.y0
+    first = axes[0].get_position()
+    assert (first.width * width) / (first.height * height) == pytest.approx(w / h)
+    plt.close(figure)
+
+
+def test_a_few_fast_nodes_do_not_darken_the_picture():
+    speeds = np.ones(10_000)
+    speeds[0] = 50
+    assert speed_top([speeds]) == (1.0, "max")
+    assert speed_top([np.linspace(0, 2, 1000)])[1] == "neither"
+    assert speed_top([np.zeros(5)]) == (1.0, "neither")
+
+
+def test_units_are_those_of_the_options(tmp_path):
+    folder = write_run(tmp_path / "run", steps=4)
+    assert RunFolder(folder).units["length"] == "m"
+    (folder / "run.json").write_text(json.dumps({"case": "settling_disk", "units": {"-rhos": "g/cm3", "-penalty": "m2 s/kg"}}))
+    assert RunFolder(folder).units == {"length": "cm", "time": "s", "mass": "g"}
+
+
+def test_film_speed():
+    assert frame_rate(10) == 4 and frame_rate(120) == 10 and frame_rate(3000) == 25
+
+
+def test_a_row_cut_short_is_named(tmp_path):
+    (tmp_path / "x.csv").write_text("# made up\nt,u\n0,1\n1\n")
+    with pytest.raises(BadInput, match="line 4: 1 values where the header names 2"):
+        read_table(tmp_path / "x.csv")
+
+
+@pytest.mark.parametrize("break_it,words", [
+    (lambda f: (f / "mesh.mesh").write_text("Vertices\n3\n0 0"), "mesh"),
+    (lambda f: (f / "mesh.mesh").write_bytes(b"\xff\xfe\x00"), "mesh"),
+    (lambda f: (f / "run.json").write_text("{"), "run.json"),
+    (lambda f: (f / "fields.pvd").write_text("<VTKFile>"), "fields.pvd"),
+    (lambda f: next(f.glob("fields_80.vtu")).write_text("<VTKFile><Unstr"), "fields_80.vtu"),
+    (lambda f: (f / "particles.csv").write_text("t,id\n0,1\n"), "no column"),
+])
+def test_a_damaged_run_ends_with_one_line(folder, tmp_path, break_it, words):
+    import shutil
+    copy = tmp_path / "run"
+    shutil.copytree(folder, copy)
+    break_it(copy)
+    done = subprocess.run([sys.executable, "-m", "tools.plot", str(copy), "--no-film"], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 3, done.stdout + done.stderr
+    assert done.stderr.count("\n") == 1 and words in done.stderr
+
+
+@pytest.mark.parametrize("words", [["nothing"], [], ["tools"], ["tools", "--frames", "1"], ["tools", "--only", "all"]])
+def test_bad_input_is_one_line_and_status_3(words):
+    done = subprocess.run([sys.executable, "-m", "tools.plot", *words], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 3 and done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("tool", ["plot", "check", "study", "validate"])
+def test_every_tool_has_help(tool):
+    done = subprocess.run([sys.executable, "-m", f"tools.{tool}", "--help"], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0 and f"python -m tools.{tool}" in done.stdout
+
+
+def test_the_reference_of_mesh_files_is_read(tmp_path):
+    (tmp_path / "t.mesh").write_text("MeshVersionFormatted 2\nDimension 2\nVertices\n3\n0 0 1\n1 0 1\n0 1 1\n"
+                                     "Edges\n1\n1 2 7\nTriangles\n1\n1 2 3 0\nEnd\n")
+    mesh = read_mesh(tmp_path / "t.mesh")
+    assert mesh.labels.tolist() == [7] and mesh.triangles.tolist() == [[0, 1, 2]] and mesh.edges.tolist() == [[0, 1]]
