@@ -75,7 +75,7 @@ install_packages() {
 
 make_environment() {
     local log
-    "$python" -c "import sys; sys.exit(sys.version_info < (3, 10))" || fail "$("$python" --version) is too old: Python 3.10 or newer is needed (name it with PYTHON=python3.x)"
+    "$python" -c "import sys; sys.exit(sys.version_info < (3, 10))" || fail "$python ($("$python" --version 2>&1 | head -n 1)) cannot be used: Python 3.10 or newer is needed (name it with PYTHON=python3.x)"
     echo "setup: installing the Python packages of tools/requirements.txt into .venv"
     log=$(mktemp)
     rm -f "$stamp"

@@ -1,0 +1,9 @@
+"""Every case of cases/, with the options of a run of a few steps.
+
+A case on disk that is not in this list fails the tests (test_setup.py): a case is a test.
+"""
+
+CASES = {
+    "pipe_obstacles": ["-tend", "0.01"],
+    "settling_disk": ["-tend", "0.01"],
+}

@@ -1,0 +1,49 @@
+"""What the tests share: running FreeFEM scripts from the root of the project."""
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+FREEFEM = os.environ.get("FREEFEM", "FreeFem++")
+
+
+def run_freefem(script, *args, check=True, timeout=300):
+    """Runs FreeFem++ -nw SCRIPT ARGS in the root, with one BLAS thread.
+
+    script: a path, absolute or from the root. Returns the CompletedProcess, its output as
+    text. check: fail the test, with the output, when the exit status is not 0. timeout: s.
+    """
+    command = [FREEFEM, "-nw", str(script), *map(str, args)]
+    environment = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
+    run = subprocess.run(
+        command, cwd=ROOT, env=environment, capture_output=True, text=True, errors="replace", timeout=timeout
+    )
+    if check and run.returncode != 0:
+        pytest.fail(f"{' '.join(command)}\nended with status {run.returncode}\n{run.stdout[-3000:]}\n{run.stderr[-3000:]}")
+    return run
+
+
+@pytest.fixture
+def freefem():
+    """The function run_freefem(script, *args, check=True, timeout=300)."""
+    return run_freefem
+
+
+@pytest.fixture
+def freefem_text(tmp_path):
+    """A function (text of a script, *args, check, timeout) that runs it as run_freefem does."""
+
+    def run(text, *args, **options):
+        script = tmp_path / "script.edp"
+        script.write_text(text)
+        return run_freefem(script, *args, **options)
+
+    return run
+
+
+@pytest.fixture
+def run_folder(tmp_path):
+    """The path of a folder for one run; the run makes it."""
+    return tmp_path / "run"
