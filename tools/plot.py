@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from tools.command import BadInput, Parser, guarded
 from tools.plotting import (LINE_MAP, PAGE_WIDTH, curve, draw_outline, draw_speed, frame, panels, particle_artists,
@@ -145,7 +145,9 @@ def series(run):
         wanted.append((label, [("", overlap / (smallest or 1.0))], True))
     if "divergence" in table:
         wanted.append(("divergence norm", [("", table["divergence"])], True))
-    return [panel for panel in wanted if panel[1] and any(np.isfinite(v).any() for _, v in panel[1])]
+    def tells(label, curves):  # a closed box has no flux and no pressure drop
+        return any(np.isfinite(v).any() and (v.any() or label not in (wanted[0][0], wanted[1][0])) for _, v in curves)
+    return [panel for panel in wanted if tells(*panel[:2])]
 
 
 def plot_series(run, path):
@@ -160,7 +162,7 @@ def plot_series(run, path):
     for one, (label, curves, log) in zip(axes.flat, wanted):
         for k, (name, values) in enumerate(curves):
             one.plot(t, np.where(values > 0, values, np.nan) if log else values, label=name, **curve(k),
-                     **({"marker": ".", "markersize": 3} if log else {}))
+                     **({"marker": ".", "markersize": 3} if log and len(t) <= 150 else {}))
         if log and any((values > 0).any() for _, values in curves):
             one.set_yscale("log")
             one.yaxis.set_minor_formatter(NullFormatter())
@@ -172,6 +174,8 @@ def plot_series(run, path):
             one.set_yticks([])
         if len(curves) > 1:
             one.legend(loc="best")
+        if label == "number":
+            one.yaxis.set_major_locator(MaxNLocator(integer=True))
         one.set_ylabel(label)
         one.grid(True)
     for one in axes.flat[len(wanted):]:
