@@ -30,8 +30,15 @@ has() { command -v "$1" >/dev/null 2>&1; }
 
 # Debian packages that are missing, on one line.
 missing_packages() {
-    local missing="" pair libraries
-    has "$freefem" || missing="$freefem_packages"
+    local missing="" pair libraries package
+    if ! has "$freefem"; then
+        missing="$freefem_packages"
+    elif has dpkg-query && dpkg-query -S "$(command -v "$freefem")" >/dev/null 2>&1; then
+        # A FreeFEM of the system needs its other packages; one built from source has its own.
+        for package in $freefem_packages; do
+            dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q "ok installed" || missing="$missing $package"
+        done
+    fi
     "$python" -c "import ensurepip, venv" 2>/dev/null || missing="$missing python3-venv"
     libraries=$(PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null || true)
     for pair in $gmsh_libraries; do
@@ -56,6 +63,9 @@ install_packages() {
     if [[ $(id -u) != 0 ]]; then
         if has sudo && { sudo -n true 2>/dev/null || [[ -t 0 ]]; }; then
             sudo="sudo"
+        elif [[ ${packages// /} == libopenblas0-pthread ]]; then
+            echo "setup: libopenblas0-pthread, a faster BLAS, is not installed and cannot be without root; all runs without it" >&2
+            return
         else
             fail "missing: $packages, and neither root nor sudo is at hand: ask an administrator to run: $command"
         fi
