@@ -187,3 +187,18 @@ def test_bad_input_is_one_line_and_status_3(case, tmp_path, words):
     done = subprocess.run([sys.executable, "-m", "tools.study", *words], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 3, done.stderr
     assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
+
+
+def test_a_stopped_study_ends_its_runs_and_goes_on_later(case, tmp_path):
+    """The keyboard stops a study at once; the run under way leaves no record."""
+    import signal
+    import time
+    case.write_text('exec("sleep 47"); exit(0);\n')
+    process = subprocess.Popen([sys.executable, "-m", "tools.study", str(case), "--dt", "0.1", "0.2", "--quantity", "final_y",
+                                "--jobs", "1", "--out", str(tmp_path / "out")], cwd=ROOT, stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL)
+    time.sleep(3)
+    begin = time.perf_counter()
+    process.send_signal(signal.SIGINT)
+    assert process.wait(20) == 130 and time.perf_counter() - begin < 10
+    assert not list((tmp_path / "out" / "runs").glob("*.json"))

@@ -20,8 +20,13 @@ from pathlib import Path
 from tools.command import ROOT, BadInput
 
 MEASURE = Path(__file__).with_name("measure.py")
+LIVE = set()  # the processes under way, for end_all
 STATUSES = {1: "syntax error", 2: "a plug-in cannot be loaded", 3: "bad option or input file", 4: "solver failure",
             5: "inadmissible scene", 6: "assertion inside FreeFEM", 8: "error at run time"}
+
+
+class Stopped(Exception):
+    """The run was ended by end_all; it says nothing of the case."""
 
 
 @dataclass
@@ -82,6 +87,7 @@ def run_command(command, limit=None, cwd=ROOT):
             process = subprocess.Popen([sys.executable, "-I", "-S", str(MEASURE), str(report), *map(str, command)],
                                        cwd=cwd, stdout=stream, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
                                        env={**os.environ, **threads}, start_new_session=True)
+            LIVE.add(process)
             try:
                 process.wait(limit)
                 stopped = False
@@ -90,6 +96,11 @@ def run_command(command, limit=None, cwd=ROOT):
                 end_group(process)
                 if not isinstance(problem, subprocess.TimeoutExpired):
                     raise
+            finally:
+                ended_from_outside = process not in LIVE
+                LIVE.discard(process)
+            if ended_from_outside:
+                raise Stopped
         text = log.read_text(errors="replace")
         if stopped:
             wall = time.perf_counter() - begin
@@ -100,6 +111,13 @@ def run_command(command, limit=None, cwd=ROOT):
         status, cpu, wall, memory = report.read_text().split()
     status = int(status)
     return Done(status, why(status, text) if status else "", float(cpu), float(wall), float(memory), text)
+
+
+def end_all():
+    """End the runs that are under way in any thread of this process; they raise Stopped there."""
+    for process in list(LIVE):
+        LIVE.discard(process)
+        end_group(process)
 
 
 def end_group(process):

@@ -30,10 +30,11 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from tools import convergence, quantities
+from tools import quantities
 from tools.command import ROOT, BadInput, Parser, guarded
 from tools.run_folder import RunFolder
-from tools.runner import commit, cores, freefem, run_case, run_command
+from tools.runner import commit, cores, end_all, freefem, run_case, run_command
+from tools.study_report import extrapolated, name_of, report
 from tools.tables import write_table
 
 COLUMNS = ["case", "meshsize", "dt", "options", "quantity", "value", "reference", "error", "relative_error",
@@ -91,12 +92,6 @@ def fingerprint(study, options, mesh):
     for path in files + ([mesh] if mesh else []):
         total.update(path.read_bytes())
     return total.hexdigest()[:20]
-
-
-def name_of(size, dt):
-    """The name of a run's folder."""
-    parts = [f"{letter}{value:g}" for letter, value in (("h", size), ("dt", dt)) if value is not None]
-    return "_".join(parts) or "default"
 
 
 def one_run(study, size, dt, mesh):
@@ -198,6 +193,7 @@ def run_study(study, mesh_maker=make_mesh, say=print):
         except BaseException:
             for future in waiting:
                 future.cancel()
+            end_all()  # what has ended stays and is not run again
             raise
     records.sort(key=lambda r: (-(r["meshsize"] or 0), -(r["dt"] or 0)))
     references = references_of(study, records)
@@ -215,47 +211,6 @@ def progress(record, number, total, left):
     again = "" if record["fresh"] else " (done before)"
     rest = f", about {left:.0f} s left" if number < total else ""
     return f"[{number}/{total}] {what}{again}: {cost}, {result}{rest}"
-
-
-def family(records, quantity, key):
-    """(sizes, values) along one size, the other one fixed: the finest other one that has
-    most runs with a value (three count as most)."""
-    other = {"meshsize": "dt", "dt": "meshsize"}[key]
-    best = ([], [])
-    for fixed in sorted({r[other] for r in records}, key=lambda v: -(v or 0)):
-        rows = sorted((r[key], r["values"][quantity][0]) for r in records
-                      if r[other] == fixed and r[key] is not None and math.isfinite(r["values"][quantity][0]))
-        if rows and min(len(rows), 3) >= min(len(best[0]), 3):
-            best = tuple(map(list, zip(*rows)))
-    return best
-
-
-def limits(study, records, quantity):
-    """{"meshsize": (Estimate, finest value of the family), "dt": ...}; a size with fewer
-    than two values is left out."""
-    found = {}
-    for key in ("meshsize", "dt"):
-        sizes, values = family(records, quantity, key)
-        if len(values) >= 2:
-            found[key] = convergence.estimate(sizes, values, study.formal_order), values[0]
-    return found
-
-
-def finest(records, quantity):
-    """The value at the smallest element size and step that has one."""
-    good = [r for r in records if math.isfinite(r["values"][quantity][0])]
-    if not good:
-        return math.nan
-    return min(good, key=lambda r: ((r["meshsize"] or 0), (r["dt"] or 0)))["values"][quantity][0]
-
-
-def extrapolated(study, records, quantity):
-    """(limit, uncertainty) in both sizes; nan where nothing can be said."""
-    found = limits(study, records, quantity)
-    if not found:
-        return math.nan, math.nan
-    return (finest(records, quantity) + sum(one.limit - value for one, value in found.values()),
-            sum(one.uncertainty for one, _ in found.values()))
 
 
 def references_of(study, records):
@@ -281,40 +236,6 @@ def write_study(study, records, references):
     part = study.out / "study.csv.part"
     write_table(part, COLUMNS, rows)
     os.replace(part, study.out / "study.csv")
-
-
-def report(study, records, references):
-    """What the study says of each quantity, in lines."""
-    lines = []
-    for name in study.quantities:
-        lines.append(f"{name}:")
-        for key, (one, _) in limits(study, records, name).items():
-            word = {"meshsize": "element size", "dt": "time step"}[key]
-            order = f"observed order {one.order:.2f}" if math.isfinite(one.order) else "no observed order"
-            lines.append(f"  {word}: {order}, limit {one.limit:.6g} +- {one.uncertainty:.2g} ({one.note})")
-            if study.references:
-                sizes, values = family(records, name, key)
-                fit = convergence.fitted_order(sizes, [v - references[name] for v in values])
-                if math.isfinite(fit):
-                    lines.append(f"    order of the error against the reference: {fit:.2f}")
-        limit, uncertainty = extrapolated(study, records, name)
-        if math.isfinite(limit):
-            lines.append(f"  finest {finest(records, name):.6g}, extrapolated {limit:.6g} +- {uncertainty:.2g}"
-                         + (f", reference {references[name]:.6g}" if study.references else ""))
-        else:
-            lines.append("  nothing to extrapolate from")
-        good = [r for r in records if math.isfinite(r["values"][name][0])]
-        errors = [r["values"][name][0] - references[name] for r in good]
-        for k in convergence.pareto([r["cpu_s"] for r in good], errors):
-            share = f" ({100 * errors[k] / abs(references[name]):+.3g} %)" if references[name] else ""
-            lines.append(f"  Pareto: {good[k]['cpu_s']:8.2f} s CPU, error {errors[k]:+.3g}{share}, "
-                         f"{name_of(good[k]['meshsize'], good[k]['dt']).replace('_', ' ')}")
-    failed = [r for r in records if r["status"] != 0]
-    for r in failed:
-        lines.append(f"failed: {name_of(r['meshsize'], r['dt']).replace('_', ' ')}: {r['reason']}")
-    if not study.timing and study.jobs > 1:
-        lines.append("CPU times are of runs beside one another; --timing measures them one by one")
-    return lines
 
 
 def positive(text):

@@ -1,0 +1,89 @@
+"""What a refinement study says: order, limit and uncertainty of each quantity, in lines.
+
+records: dicts of tools.study with meshsize, dt, cpu_s, status, reason and values
+{quantity: (value, reason)}.
+"""
+import math
+
+from tools import convergence
+
+
+def name_of(size, dt):
+    """The name of a run's folder."""
+    parts = [f"{letter}{value:g}" for letter, value in (("h", size), ("dt", dt)) if value is not None]
+    return "_".join(parts) or "default"
+
+
+def family(records, quantity, key):
+    """(sizes, values) along one size, the other one fixed: the finest other one that has
+    most runs with a value (three count as most)."""
+    other = {"meshsize": "dt", "dt": "meshsize"}[key]
+    best = ([], [])
+    for fixed in sorted({r[other] for r in records}, key=lambda v: -(v or 0)):
+        rows = sorted((r[key], r["values"][quantity][0]) for r in records
+                      if r[other] == fixed and r[key] is not None and math.isfinite(r["values"][quantity][0]))
+        if rows and min(len(rows), 3) >= min(len(best[0]), 3):
+            best = tuple(map(list, zip(*rows)))
+    return best
+
+
+def limits(study, records, quantity):
+    """{"meshsize": (Estimate, finest value of the family), "dt": ...}; a size with fewer
+    than two values is left out."""
+    found = {}
+    for key in ("meshsize", "dt"):
+        sizes, values = family(records, quantity, key)
+        if len(values) >= 2:
+            found[key] = convergence.estimate(sizes, values, study.formal_order), values[0]
+    return found
+
+
+def finest(records, quantity):
+    """The value at the smallest element size and step that has one."""
+    good = [r for r in records if math.isfinite(r["values"][quantity][0])]
+    if not good:
+        return math.nan
+    return min(good, key=lambda r: ((r["meshsize"] or 0), (r["dt"] or 0)))["values"][quantity][0]
+
+
+def extrapolated(study, records, quantity):
+    """(limit, uncertainty) in both sizes; nan where nothing can be said."""
+    found = limits(study, records, quantity)
+    if not found:
+        return math.nan, math.nan
+    return (finest(records, quantity) + sum(one.limit - value for one, value in found.values()),
+            sum(one.uncertainty for one, _ in found.values()))
+
+
+def report(study, records, references):
+    """What the study says of each quantity, in lines."""
+    lines = []
+    for name in study.quantities:
+        lines.append(f"{name}:")
+        for key, (one, _) in limits(study, records, name).items():
+            word = {"meshsize": "element size", "dt": "time step"}[key]
+            order = f"observed order {one.order:.2f}" if math.isfinite(one.order) else "no observed order"
+            lines.append(f"  {word}: {order}, limit {one.limit:.6g} +- {one.uncertainty:.2g} ({one.note})")
+            if study.references:
+                sizes, values = family(records, name, key)
+                fit = convergence.fitted_order(sizes, [v - references[name] for v in values])
+                if math.isfinite(fit):
+                    lines.append(f"    order of the error against the reference: {fit:.2f}")
+        limit, uncertainty = extrapolated(study, records, name)
+        if math.isfinite(limit):
+            lines.append(f"  finest {finest(records, name):.6g}, extrapolated {limit:.6g} +- {uncertainty:.2g}"
+                         + (f", reference {references[name]:.6g}" if study.references else ""))
+        else:
+            lines.append("  nothing to extrapolate from")
+        good = [r for r in records if math.isfinite(r["values"][name][0])]
+        errors = [r["values"][name][0] - references[name] for r in good]
+        for k in convergence.pareto([r["cpu_s"] for r in good], errors):
+            share = f" ({100 * errors[k] / abs(references[name]):+.3g} %)" if references[name] else ""
+            lines.append(f"  Pareto: {good[k]['cpu_s']:8.2f} s CPU, error {errors[k]:+.3g}{share}, "
+                         f"{name_of(good[k]['meshsize'], good[k]['dt']).replace('_', ' ')}")
+    failed = [r for r in records if r["status"] != 0]
+    for r in failed:
+        lines.append(f"failed: {name_of(r['meshsize'], r['dt']).replace('_', ' ')}: {r['reason']}")
+    if not study.timing and study.jobs > 1:
+        lines.append("CPU times are of runs beside one another; --timing measures them one by one")
+    return lines
