@@ -6,6 +6,8 @@ A case on disk that is not in this list fails the tests (test_setup.py): a case 
 CASES = {
     "cylinder_channel": ["-tend", "0.01"],
     "falling_particles": ["-tend", "0.1"],
+    "poiseuille": ["-tend", "0.1"],
+    "taylor_green": ["-tend", "0.02"],
     "pipe_obstacles": ["-tend", "0.01"],
     "settling_disk": ["-tend", "0.01"],
 }
