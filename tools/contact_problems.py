@@ -190,6 +190,12 @@ class Answer:
         return np.array([known.get(frozenset((name(a), name(b))), 0.0) for a, b in zip(rows.i, rows.j)])
 
 
+def read_contacts(path):
+    """The rows of a contacts.csv, none if it holds only its header."""
+    with open(path, encoding="utf-8") as stream:
+        return np.array([line.split(",") for line in stream.read().splitlines()[1:]], float).reshape(-1, 7)
+
+
 FIGURES = re.compile(r"disks (\d+), constraints (\d+), steps (\d+), factorisations (\d+), residual (\S+), least gap (\S+) m, time (\S+) s")
 
 
@@ -206,7 +212,7 @@ def project(scene, dt=0.01, tol=1e-10, solver="newton", repeat=1, options=None, 
         if not done.ok:
             raise BadInput(done.reason)
         velocity = np.loadtxt(f"{folder}/projected.csv", delimiter=",", skiprows=1, ndmin=2)[:, 1:]
-        contacts = np.loadtxt(f"{folder}/contacts.csv", delimiter=",", skiprows=1, ndmin=2).reshape(-1, 7)
+        contacts = read_contacts(f"{folder}/contacts.csv")
     names = "disks constraints steps factorisations residual gap time".split()
     figures = [dict(zip(names, map(float, match))) for match in FIGURES.findall(done.log)]
     return Answer(velocity, contacts, figures, scene, dt, done.memory_mb)

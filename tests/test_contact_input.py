@@ -1,0 +1,108 @@
+"""Scenes that cannot be: refused in words, a line each, with the right status."""
+import numpy as np
+import pytest
+
+from tools.contact_problems import Scene, box, project
+from tools.command import BadInput
+
+SCRIPT = "scripts/project_velocities.edp"
+GOOD = ["0,0.1,0.1,0.01,1,0,0", "1,0.2,0.1,0.01,1,0,0"]
+
+
+@pytest.fixture
+def refused(freefem, tmp_path):
+    """Runs the script on rows of bodies (and walls); returns status and the lines of errors."""
+
+    def run(rows, walls=None, *options, header="id,x,y,radius,mass,u,v"):
+        (tmp_path / "bodies.csv").write_text("\n".join([header, *rows]) + "\n")
+        words = ["-bodies", tmp_path / "bodies.csv", "-out", tmp_path / "out.csv", *options]
+        if walls is not None:
+            (tmp_path / "walls.csv").write_text("\n".join(["x1,y1,x2,y2", *walls]) + "\n")
+            words += ["-walls", tmp_path / "walls.csv"]
+        done = freefem(SCRIPT, *words, check=False)
+        return done.returncode, [line for line in done.stderr.splitlines() if line.startswith("error:")]
+
+    return run
+
+
+@pytest.mark.parametrize("row, words", [
+    ("7,0.3,0.1,-0.01,1,0,0", "disk 7 has a radius that is not above 0"),
+    ("7,0.3,0.1,0,1,0,0", "disk 7 has a radius that is not above 0"),
+    ("7,0.3,0.1,0.01,0,0,0", "disk 7 has no mass"),
+    ("1,0.3,0.1,0.01,1,0,0", "the id 1 is given twice"),
+    ("7,nan,0.1,0.01,1,0,0", "row 4: 'nan' is not a finite number"),
+    ("7,0.3,0.1,0.01,1,inf,0", "row 4: 'inf' is not a finite number"),
+    ("7,0.3,zero,0.01,1,0,0", "row 4: 'zero' is not a finite number"),
+    ("7,0.3,0.1,0.01,1,0", "row 4: 6 columns, not 7"),
+    ("7.5,0.3,0.1,0.01,1,0,0", "the id 7.5 is not a whole number"),
+])
+def test_bad_numbers_are_named(refused, row, words):
+    status, lines = refused([*GOOD, row])
+    assert status == 3
+    assert sum(words in line for line in lines) == 1
+
+
+def test_every_fault_has_its_line(refused):
+    status, lines = refused([*GOOD, "2,0.3,0.1,-1,1,0,0", "3,0.4,0.1,-1,1,0,0", "3,0.5,0.1,0.01,0,0,0"])
+    assert status == 3 and len(lines) == 5 and "4 faults" in lines[-1]
+
+
+def test_a_wrong_header_an_empty_file_and_no_file(refused, freefem, tmp_path):
+    assert refused(GOOD, header="id,x,y,r,mass,u,v")[0] == 3
+    assert refused([])[0] == 3
+    done = freefem(SCRIPT, "-bodies", tmp_path / "none.csv", check=False)
+    assert done.returncode == 3 and "cannot read the file" in done.stderr
+    done = freefem(SCRIPT, check=False)
+    assert done.returncode == 3 and "-bodies FILE is needed" in done.stderr
+
+
+def test_an_unknown_solver_or_option(refused):
+    status, lines = refused(GOOD, None, "-solver", "magic")
+    assert status == 3 and "uzawa|accelerated|newton" in lines[0]
+    status, lines = refused(GOOD, None, "-tool", "1")
+    assert status == 3 and "the nearest is -tol" in lines[0]
+
+
+def test_overlaps_are_listed(refused):
+    status, lines = refused(["0,0.1,0.1,0.01,1,0,0", "5,0.115,0.1,0.01,1,0,0", "9,0.3,0.005,0.01,1,0,0"], ["0,0,1,0"])
+    assert status == 5
+    assert any("disks 0 and 5 overlap by 0.005 m" in line for line in lines)
+    assert any("disk 9 overlaps wall 0 by 0.005 m" in line for line in lines)
+
+
+def test_overlaps_are_pushed_apart_on_request():
+    x = np.array([[0.1, 0.1], [0.115, 0.1], [0.3, 0.005]])
+    answer = project(Scene(x, 0.01, [1.0, 3.0, 1.0], np.zeros((3, 2)), [[0, 0, 1, 0]]), options={"-contact-initial": "push"})
+    np.testing.assert_allclose(answer.velocity, 0, atol=1e-9)
+    assert answer.figures[0]["gap"] > -1e-10
+
+
+@pytest.mark.parametrize("obstacle", [True, False])
+def test_a_disk_on_the_wrong_side_of_closed_walls(refused, obstacle):
+    corners = [(0.3, 0.3), (0.4, 0.3), (0.35, 0.4)]
+    walls = [f"{a[0]},{a[1]},{b[0]},{b[1]}" for a, b in zip(corners, corners[1:] + corners[:1])]
+    walls += [",".join(map(str, row)) for row in box(1, 1)]
+    place = "0.35,0.33" if obstacle else "1.35,0.33"
+    status, lines = refused([*GOOD, f"4,{place},0.005,1,0,0"], walls)
+    assert status == 3
+    assert ("disk 4 stands inside an obstacle" if obstacle else "disk 4 stands outside") in lines[0]
+
+
+def test_numbers_that_stop_being_finite(freefem_text):
+    done = freefem_text("""
+        include "lib/contact.idp"
+        optCase("finite", "test");
+        contactDeclare(); optEnd();
+        real[int] px = [0., 1.], py = [0., 0.], r = [0.1, 0.1], mass = [1., 1.], u = [0., 0.], v = [0., 0.];
+        int[int] id = [0, 1];
+        u[0] = sqrt(-1 - px[0]);
+        contactProject(px, py, r, id, mass, u, v, 0.1);
+    """, check=False)
+    assert done.returncode == 3 and "not finite" in done.stderr
+
+
+
+
+def test_bad_words_from_python():
+    with pytest.raises(BadInput, match="has no mass"):
+        project(Scene([[0, 0]], 0.1, 0.0, [[0, 0]]))
