@@ -1,0 +1,86 @@
+"""lib/options.idp: what the command line gives, and how nonsense is refused."""
+import pytest
+
+SCRIPT = """
+include "lib/options.idp"
+optCase("trial", "a script that only reads its options");
+optDefault("-dt", "0.02");
+real tEnd = optReal("-tend", 1./3, "s", "end time");
+int number = optInt("-number", 5, 0, "how many");
+real dt = optPositive("-dt", 0.1, "s", "time step");
+real share = optWithin("-share", 0.5, 0, 1, "", "a share");
+string scheme = optChoice("-scheme", "standard", "standard|published", "scheme");
+string file = optFile("-mesh", "a.mesh", "mesh file");
+optEnd();
+cout.precision(17);
+cout << "values " << tEnd << " " << number << " " << dt << " " << share << " " << scheme << " " << file << endl;
+"""
+
+
+def values(run):
+    line = next(line for line in run.stdout.splitlines() if line.startswith("values "))
+    return line.split()[1:]
+
+
+def test_defaults_keep_all_their_digits_and_the_case_overrides_the_driver(freefem_text):
+    tend, number, dt, share, scheme, file = values(freefem_text(SCRIPT))
+    assert float(tend) == 1 / 3
+    assert (number, float(dt), float(share), scheme, file) == ("5", 0.02, 0.5, "standard", "a.mesh")
+
+
+@pytest.mark.parametrize(
+    "words, place, expected",
+    [
+        (["-tend", "2e-1"], 0, 0.2),
+        (["-tend", "-1.5e-3"], 0, -1.5e-3),
+        (["-tend", "+.5"], 0, 0.5),
+        (["-number", "1e3"], 1, 1000),
+        (["-v", "0", "-number", "7", "-nw"], 1, 7),
+        (["-share", "1"], 3, 1),
+    ],
+)
+def test_numbers_are_read(freefem_text, words, place, expected):
+    assert float(values(freefem_text(SCRIPT, *words))[place]) == expected
+
+
+@pytest.mark.parametrize(
+    "words, says",
+    [
+        (["-tned", "1"], "unknown option -tned; the nearest is -tend"),
+        (["-Number", "1"], "the nearest is -number"),
+        (["stray"], "unknown option stray"),
+        (["-tend"], "-tend needs a value"),
+        (["-tend", "1", "-tend", "2"], "given twice"),
+        (["-tend", "abc"], "needs a number"),
+        (["-tend", "1e"], "needs a number"),
+        (["-tend", "1-2"], "needs a number"),
+        (["-tend", "--1"], "needs a number"),
+        (["-tend", "0x10"], "needs a number"),
+        (["-tend", "nan"], "needs a number"),
+        (["-tend", "inf"], "needs a number"),
+        (["-tend", "1e999"], "out of range"),
+        (["-tend", ""], "needs a number"),
+        (["-number", "2.5"], "whole number"),
+        (["-number", "-1"], "at least 0"),
+        (["-number", "1e12"], "whole number"),
+        (["-dt", "0"], "above 0"),
+        (["-share", "1.5"], "between 0 and 1"),
+        (["-scheme", "other"], "one of standard|published"),
+        (["-scheme", ""], "one of standard|published"),
+        (["-mesh", "a;b"], "signs other than"),
+        (["-mesh", "'; true; '"], "signs other than"),
+    ],
+)
+def test_nonsense_ends_with_status_3_and_one_line(freefem_text, words, says):
+    run = freefem_text(SCRIPT, *words, check=False)
+    assert run.returncode == 3
+    lines = run.stderr.strip().splitlines()
+    assert len(lines) == 1 and lines[0].startswith("error: ") and says in lines[0], run.stderr
+    assert "values " not in run.stdout
+
+
+def test_help_lists_every_option_with_its_default_and_unit(freefem_text):
+    run = freefem_text(SCRIPT, "-help")
+    for part in ("trial: a script", "-tend 0.333333 s", "-number 5", "-dt 0.02 s", "end time", "standard|published"):
+        assert part in run.stdout
+    assert "values " not in run.stdout
