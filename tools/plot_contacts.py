@@ -1,0 +1,260 @@
+"""Pictures of a run of contacts alone: frames, force chains, energies and a film.
+
+    python -m tools.plot_contacts results/falling_particles/run_001
+    python -m tools.plot_contacts RUN --times 0 1 10 20 60 80 100 --only frames chains
+
+Reads particles.csv, contacts.csv, motion.csv and walls.csv of the run; leaves frames.png
+(positions left, velocities right), chains.png (forces at the last time), energy.png and
+film.mp4 (a gif where no mp4 can be made). Colours: viridis for speeds.
+"""
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.colors import LogNorm
+
+from tools.command import BadInput, Parser, guarded
+from tools.film import frame_rate, mp4_possible, write_gif, write_mp4
+from tools.plotting import BODY, BODY_EDGE, FIELD_MAP, PAGE_WIDTH, curve, plt, save, time_text
+from tools.run_folder import RunFolder
+from tools.tables import read_table
+
+MADE = ["frames", "chains", "energy", "film"]
+FIGURE_TIMES = [0, 1, 10, 20, 60, 80, 100]  # of the falling particles
+
+
+class ContactRun(RunFolder):
+    """A run folder with its frames: frame(k) is a dict of columns at times[k]."""
+
+    @cached_property
+    def walls(self):
+        """Segments (S, 2, 2)."""
+        if not self.has("walls"):
+            return np.zeros((0, 2, 2))
+        table = read_table(self.folder / "walls.csv")
+        return np.column_stack([table[c] for c in ("x1", "y1", "x2", "y2")]).reshape(-1, 2, 2)
+
+    @cached_property
+    def _starts(self):
+        if not self.has("particles") or not len(self.particles["t"]):
+            raise BadInput(f"the run {self.folder} has no particles.csv with rows")
+        times, first = np.unique(self.particles["t"], return_index=True)
+        return times, np.r_[first, len(self.particles["t"])]
+
+    @property
+    def times(self):
+        """Times of the frames."""
+        return self._starts[0]
+
+    def frame(self, k):
+        """Columns of particles.csv at the k-th time, and the speed."""
+        part = slice(self._starts[1][k], self._starts[1][k + 1])
+        columns = {name: values[part] for name, values in self.particles.items()}
+        columns["speed"] = np.hypot(columns["u"], columns["v"])
+        return columns
+
+    @cached_property
+    def view(self):
+        """(x0, x1, y0, y1) that holds every disk at every time."""
+        p = self.particles
+        x0, x1 = (p["x"] - p["radius"]).min(), (p["x"] + p["radius"]).max()
+        y0, y1 = (p["y"] - p["radius"]).min(), (p["y"] + p["radius"]).max()
+        room = 0.02 * max(x1 - x0, y1 - y0)
+        return x0 - room, x1 + room, y0 - room, y1 + room
+
+    @cached_property
+    def speeds(self):
+        """Ends of the colour scale: the greatest speed and a 1e-4 part of it."""
+        top = float(np.hypot(self.particles["u"], self.particles["v"]).max())
+        return (1e-4 * top, top) if top > 0 else (1e-4, 1.0)
+
+
+def nearest(run, times):
+    """Places of the frames nearest to the times, none twice."""
+    return sorted({int(np.abs(run.times - t).argmin()) for t in times})
+
+
+def chosen(run, number=7):
+    """Times to show: those of the figure of falling particles where the run reaches them."""
+    end = run.times[-1]
+    return FIGURE_TIMES if abs(end - 100) < 1 else np.linspace(run.times[0], end, number)
+
+
+def draw(axes, run, frame, speed=None, size=None):
+    """Walls and disks; with `speed` (LogNorm) disks are filled by it. Returns the disks."""
+    axes.add_collection(LineCollection(run.walls, color="black", linewidth=1.0, capstyle="round", zorder=4))
+    width = 2 * frame["radius"]
+    thin = 0.4 if len(width) < 1000 else 0.1
+    disks = EllipseCollection(width, width, np.zeros(len(width)), units="xy", offsets=np.column_stack([frame["x"], frame["y"]]),
+                              transOffset=axes.transData, edgecolor=BODY_EDGE, linewidth=thin, facecolor=BODY, zorder=3)
+    if speed is not None:
+        disks.set(cmap=FIELD_MAP, norm=speed, array=np.clip(frame["speed"], speed.vmin, speed.vmax), facecolor=None)
+    axes.add_collection(disks)
+    axes.set_xlim(run.view[:2])
+    axes.set_ylim(run.view[2:])
+    axes.set_aspect("equal")
+    for side in axes.spines.values():
+        side.set_visible(False)
+    return disks
+
+
+def plot_frames(run, path, times=None):
+    """Positions left, velocities right, a pair for each time, two pairs beside each other."""
+    places = nearest(run, chosen(run) if times is None else times)
+    rows = -(-len(places) // 2)
+    x0, x1, y0, y1 = run.view
+    wide = (PAGE_WIDTH - 1.5) / 4
+    tall = min(wide * (y1 - y0) / (x1 - x0), 2.3)
+    figure, axes = plt.subplots(rows, 4, figsize=(PAGE_WIDTH, rows * (tall + 0.3) + 0.75), squeeze=False,
+                                gridspec_kw={"left": 0.075, "right": 0.87, "bottom": 0.5 / (rows * (tall + 0.3) + 0.75),
+                                             "top": 1 - 0.42 / (rows * (tall + 0.3) + 0.75), "wspace": 0.22, "hspace": 0.3 / tall})
+    norm = LogNorm(*run.speeds)
+    disks = None
+    for cell in range(2 * rows):
+        left, right = axes[cell // 2, 2 * (cell % 2):2 * (cell % 2) + 2]
+        if cell >= len(places):
+            left.set_axis_off()
+            right.set_axis_off()
+            continue
+        frame = run.frame(places[cell])
+        draw(left, run, frame)
+        disks = draw(right, run, frame, norm)
+        moving = frame["speed"] > run.speeds[0]
+        if moving.any():
+            # Arrows of one length show where a disk goes; its colour says how fast.
+            direction = np.column_stack([frame["u"], frame["v"]])[moving] / frame["speed"][moving, None]
+            reach = 1.6 * frame["radius"][moving]
+            right.quiver(frame["x"][moving], frame["y"][moving], reach * direction[:, 0], reach * direction[:, 1], color="black",
+                         angles="xy", scale_units="xy", scale=1, width=0.008, headwidth=4, headlength=4.5, headaxislength=4, zorder=5)
+        left.set_title(time_text(run.times[places[cell]]), loc="left", pad=2)
+        last = cell + 2 >= len(places)
+        for axis in (left, right):
+            axis.tick_params(labelbottom=last, labelleft=axis is axes[cell // 2, 0], length=2)
+            axis.locator_params(nbins=4)
+            if last:
+                axis.set_xlabel("x (m)")
+        if cell % 2 == 0:
+            left.set_ylabel("y (m)")
+    bar = figure.colorbar(disks, cax=figure.add_axes((0.895, 0.3, 0.018, 0.4)), extend="min")
+    bar.set_label("speed (m/s)")
+    figure.suptitle(f"{run.title}: positions (left) and velocities (right)", fontsize=10, y=1 - 0.1 / figure.get_figheight())
+    return save(figure, path)
+
+
+def plot_chains(run, path):
+    """Normal forces at the last time that has contacts, as lines between the centres."""
+    contacts = read_table(run.folder / "contacts.csv")
+    if not len(contacts["t"]):
+        raise BadInput(f"the run {run.folder} has no contacts to draw")
+    t = contacts["t"][-1]
+    now = contacts["t"] == t
+    frame = run.frame(nearest(run, [t])[0])
+    place = {int(name): k for k, name in enumerate(frame["id"])}
+    i = np.array([place[int(a)] for a in contacts["i"][now]])
+    j, step = contacts["j"][now].astype(int), float(run.info.get("parameters", {}).get("-dt", 1.0))
+    force = contacts["impulse"][now] / step
+    a = np.column_stack([frame["x"], frame["y"]])[i]
+    normal = np.column_stack([contacts["nx"][now], contacts["ny"][now]])
+    b = a - normal * (frame["radius"][i] + contacts["gap"][now])[:, None]
+    for k in np.flatnonzero(j >= 0):
+        b[k] = frame["x"][place[j[k]]], frame["y"][place[j[k]]]
+    x0, x1, _, _ = run.view
+    y0 = run.view[2]
+    y1 = (frame["y"] + frame["radius"]).max() + 0.02 * (x1 - x0)
+    scale = min(5.4 / (x1 - x0), 7.0 / (y1 - y0))
+    figure, axes = plt.subplots(figsize=((x1 - x0) * scale + 1.6, (y1 - y0) * scale + 1.1), layout="constrained")
+    draw(axes, run, frame)
+    axes.set_ylim(y0, y1)
+    thick = 4.0 if len(force) < 1000 else 1.6
+    lines = LineCollection(np.stack([a, b], axis=1), linewidths=0.3 + thick * force / force.max(), cmap=FIELD_MAP, array=force, zorder=6, capstyle="round")
+    axes.add_collection(lines)
+    figure.colorbar(lines, ax=axes, shrink=0.8).set_label("normal force (N per metre of depth)")
+    axes.set(xlabel="x (m)", ylabel="y (m)", title=f"{run.title}: forces at {time_text(t)}")
+    return save(figure, path)
+
+
+def plot_energy(run, path):
+    """Kinetic and potential energy, and overlap, in time."""
+    motion = read_table(run.folder / "motion.csv")
+    t = motion["t"]
+    figure, (top, low) = plt.subplots(2, 1, figsize=(PAGE_WIDTH, 4.6), sharex=True, layout="constrained")
+    fallen = motion["potential_energy"] - motion["potential_energy"].min()
+    floor = 1e-24 * max(motion["kinetic_energy"].max(), 1e-300)
+    top.semilogy(t, np.maximum(motion["kinetic_energy"], floor), label="kinetic", **curve(0))
+    top.semilogy(t, np.maximum(fallen, floor), label="potential, above its least", **curve(1))
+    top.set_ylabel("energy (J per metre of depth)")
+    top.legend()
+    radius = run.particles["radius"].min()
+    overlap = np.where(motion["worst_gap"] < 0, -motion["worst_gap"] / radius, np.nan)
+    low.semilogy(t, overlap, label="greatest overlap / smallest radius", **curve(0))
+    low.set(xlabel="t (s)", ylabel="overlap (1)")
+    low.legend(loc="lower right")
+    for axes in (top, low):
+        axes.grid(True)
+    figure.suptitle(f"{run.title}: energy and overlap", fontsize=10)
+    return save(figure, path)
+
+
+def shots(run, places):
+    """The frames of the film as arrays of bytes."""
+    x0, x1, y0, y1 = run.view
+    scale = min(6.0 / (x1 - x0), 6.4 / (y1 - y0))
+    size = max((x1 - x0) * scale + 1.7, 3.2), (y1 - y0) * scale + 1.0
+    figure = plt.figure(figsize=size, dpi=140)
+    axes = figure.add_axes((0.62 / size[0], 0.5 / size[1], (x1 - x0) * scale / size[0], (y1 - y0) * scale / size[1]))
+    norm = LogNorm(*run.speeds)
+    disks = draw(axes, run, run.frame(places[0]), norm)
+    axes.set(xlabel="x (m)", ylabel="y (m)")
+    edge = (0.8 + (x1 - x0) * scale) / size[0]
+    figure.colorbar(disks, cax=figure.add_axes((edge, 0.25, 0.13 / size[0], 0.5)), extend="min").set_label("speed (m/s)")
+    for k in places:
+        frame = run.frame(k)
+        disks.set_offsets(np.column_stack([frame["x"], frame["y"]]))
+        disks.set_array(np.clip(frame["speed"], *run.speeds))
+        axes.set_title(time_text(round(run.times[k], 3)), pad=4)
+        figure.canvas.draw()
+        picture = np.asarray(figure.canvas.buffer_rgba())[:, :, :3]
+        yield np.ascontiguousarray(picture[:picture.shape[0] // 2 * 2, :picture.shape[1] // 2 * 2])
+    plt.close(figure)
+
+
+def make_film(run, out, most=300, gif=False):
+    """film.mp4 or film.gif in the folder; the path."""
+    places = list(range(len(run.times)))
+    if len(places) < 2:
+        raise BadInput(f"the run {run.folder} has one time only: no film")
+    if len(places) > most:
+        places = list(np.unique(np.linspace(0, len(places) - 1, most).astype(int)))
+    as_gif = gif or not mp4_possible()
+    path = Path(out) / ("film.gif" if as_gif else "film.mp4")
+    (write_gif if as_gif else write_mp4)(path, shots(run, places), frame_rate(len(places)))
+    return path
+
+
+def main(words=None):
+    """Make the pictures."""
+    options = Parser(prog="python -m tools.plot_contacts", description=__doc__)
+    options.add_argument("run", help="run folder, such as results/falling_particles/run_001")
+    options.add_argument("--out", metavar="DIR", help="where the pictures go (default: the run folder)")
+    options.add_argument("--only", nargs="+", choices=MADE, default=MADE, metavar="WHAT", help="some of: " + ", ".join(MADE))
+    options.add_argument("--times", nargs="+", type=float, metavar="T", help="times of the frames, s")
+    options.add_argument("--most", type=int, default=300, metavar="N", help="most frames of the film (default 300)")
+    options.add_argument("--gif", action="store_true", help="the film as a gif even where an mp4 can be made")
+    given = options.parse_args(words)
+    run = ContactRun(given.run)
+    out = Path(given.out or given.run)
+    out.mkdir(parents=True, exist_ok=True)
+    if "frames" in given.only:
+        print(plot_frames(run, out / "frames.png", given.times))
+    if "chains" in given.only:
+        print(plot_chains(run, out / "chains.png"))
+    if "energy" in given.only:
+        print(plot_energy(run, out / "energy.png"))
+    if "film" in given.only:
+        print(make_film(run, out, given.most, given.gif))
+    return 0
+
+
+if __name__ == "__main__":
+    guarded(main)
