@@ -10,4 +10,9 @@ CASES = {
     "taylor_green": ["-tend", "0.02"],
     "pipe_obstacles": ["-tend", "0.01"],
     "settling_disk": ["-tend", "0.01"],
+    "drafting_kissing_tumbling": ["-tend", "0.002"],
+    "cylinder_between_plates": ["-tend", "0.01"],
+    "cylinder_array": ["-tend", "0.01"],
+    "couette_disk": ["-tend", "0.1"],
+    "segre_silberberg": ["-tend", "2"],
 }
