@@ -180,6 +180,29 @@ def test_the_search_finds_what_a_double_loop_finds(freefem_text, px, py, r, reac
         assert (pairs, walls) == (all_pairs, all_walls)
 
 
+def test_the_search_holds_in_many_mixtures(freefem_text):
+    """Boxes and bunches of all shapes: nothing out of bounds, as many pairs both ways round."""
+    done = freefem_text("""
+include "lib/contact_search.idp"
+int n = 1500, unequal = 0;
+real[int] px(n), py(n), r(n);
+for (int trial = 0; trial < 120; ++trial) {
+    randinit(trial);
+    real stretch = exp(6*randreal1()), share = randreal1();
+    for (int k = 0; k < n; ++k) {
+        px[k] = randreal1(); py[k] = stretch*randreal1(); r[k] = 0.005*(randreal1() < share ? 1 : 2 + randreal1());
+        if (r[k] > 0.0075) { px[k] = 0.3 + 0.1*px[k]; py[k] = 0.2 + 0.3*py[k]; }
+    }
+    contactSearch(px, py, r, 0.001, 0);
+    int first = contactNearN;
+    contactSearch(py, px, r, 0.001, 0);
+    if (contactNearN != first) unequal++;
+}
+cout << "unequal " << unequal << endl;
+""")
+    assert "unequal 0" in done.stdout
+
+
 def test_a_restart_with_changed_places_goes_on_as_before(freefem_text, tmp_path):
     """Two runs, one saved and loaded in the middle with the disks in another order, agree to
     the last digit; impulses follow the ids."""
