@@ -4,7 +4,11 @@ A case on disk that is not in this list fails the tests (test_setup.py): a case 
 """
 
 CASES = {
+    "backward_step": ["-reynolds", "20"],
+    "cavity": ["-reynolds", "10"],
     "cylinder_channel": ["-tend", "0.01"],
+    "cylinder_steady": [],
+    "sudden_expansion": ["-search", "0"],
     "falling_particles": ["-tend", "0.1"],
     "poiseuille": ["-tend", "0.1"],
     "taylor_green": ["-tend", "0.02"],
