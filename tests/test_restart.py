@@ -1,0 +1,112 @@
+"""A run that is killed, stopped or damaged goes on and gives the CSVs of an unbroken one."""
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from conftest import FREEFEM, ROOT, run_freefem
+
+CASE = "cases/pipe_obstacles.edp"
+SCENE = ["-number", "12", "-first", "0", "-interval", "0.01", "-ramp", "0.05", "-every", "0"]
+WHOLE = [*SCENE, "-tend", "0.12", "-checkpoint", "20", "-fields", "0.04"]
+
+
+@pytest.fixture(scope="module")
+def mesh(tmp_path_factory):
+    path = tmp_path_factory.mktemp("mesh") / "coarse.mesh"
+    command = [sys.executable, "-m", "tools.mesh", "pipe_obstacles", "--size", "0.014", "--out", str(path)]
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+    return ["-mesh", str(path)]
+
+
+@pytest.fixture(scope="module")
+def unbroken(mesh, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("unbroken") / "run"
+    run_freefem(CASE, *mesh, *WHOLE, "-out", folder)
+    return folder
+
+
+def numbers(folder, name):
+    """The CSV without the columns that hold seconds of computing."""
+    table = np.genfromtxt(folder / name, delimiter=",", names=True)
+    return {column: table[column] for column in table.dtype.names if not column.startswith("time_")}
+
+
+def assert_same(folder, unbroken):
+    for name in ("particles.csv", "contacts.csv"):
+        assert (folder / name).read_bytes() == (unbroken / name).read_bytes(), name
+    got, expected = numbers(folder, "fluid.csv"), numbers(unbroken, "fluid.csv")
+    for column in expected:
+        np.testing.assert_array_equal(got[column], expected[column], err_msg=column)
+
+
+def start(folder, mesh):
+    """The run in the background, and a wait until its second checkpoint is there."""
+    command = [FREEFEM, "-nw", CASE, *mesh, *WHOLE, "-out", str(folder)]
+    run = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, env=os.environ | {"OPENBLAS_NUM_THREADS": "1"})
+    deadline = time.time() + 200
+    while not (folder / "restart_000000040.sha").exists():
+        assert run.poll() is None and time.time() < deadline, "the run ended before it could be killed"
+        time.sleep(0.02)
+    return run
+
+
+def test_a_killed_run_goes_on_to_the_same_result(mesh, unbroken, tmp_path):
+    run = start(tmp_path / "run", mesh)
+    time.sleep(random.Random(os.getpid()).uniform(0, 0.4))
+    run.send_signal(signal.SIGKILL)
+    run.wait()
+    for name in ("particles.csv", "fluid.csv"):
+        lines = (tmp_path / "run" / name).read_text().splitlines()
+        assert all(line.count(",") == lines[0].count(",") for line in lines[:-1]), f"{name} holds whole rows"
+    run_freefem(CASE, *mesh, *WHOLE, "-restart", tmp_path / "run")
+    assert_same(tmp_path / "run", unbroken)
+    text = (tmp_path / "run" / "fields.pvd").read_text()
+    assert text.count("<DataSet") == (unbroken / "fields.pvd").read_text().count("<DataSet")
+
+
+def test_a_damaged_checkpoint_is_passed_over(mesh, unbroken, tmp_path):
+    run = start(tmp_path / "run", mesh)
+    run.send_signal(signal.SIGKILL)
+    run.wait()
+    newest = sorted((tmp_path / "run").glob("restart_*.sha"))[-1].with_suffix(".txt")
+    newest.write_bytes(newest.read_bytes()[:-1000])
+    run_freefem(CASE, *mesh, *WHOLE, "-restart", tmp_path / "run")
+    assert_same(tmp_path / "run", unbroken)
+
+
+def test_maxwall_ends_with_a_checkpoint(mesh, unbroken, tmp_path):
+    run = run_freefem(CASE, *mesh, *WHOLE, "-out", tmp_path / "run", "-maxwall", "0.001")
+    assert "stopped by -maxwall" in run.stdout
+    assert len((tmp_path / "run" / "fluid.csv").read_text().splitlines()) == 2
+    again = run_freefem(CASE, *mesh, *WHOLE, "-restart", tmp_path / "run")
+    assert "goes on from t" in again.stdout and "finished" in again.stdout
+
+
+def test_what_cannot_go_on_is_refused(mesh, unbroken, tmp_path):
+    def refused(*words):
+        run = run_freefem(*words, check=False)
+        assert run.returncode == 3, run.stdout[-300:] + run.stderr
+        return run.stderr
+
+    before = (unbroken / "fluid.csv").read_bytes()
+    assert "no whole checkpoint" in refused(CASE, *mesh, *WHOLE, "-restart", tmp_path / "nothing")
+    assert "other options" in refused(CASE, *mesh, *WHOLE, "-reynolds", "500", "-restart", unbroken)
+    assert "is of the case" in refused("cases/settling_disk.edp", "-restart", unbroken)
+    assert "another mesh" in refused(CASE, *WHOLE, "-restart", unbroken, "-out", tmp_path / "other")
+    assert (unbroken / "fluid.csv").read_bytes() == before
+
+
+def test_two_runs_do_not_share_a_folder(mesh, tmp_path):
+    run = start(tmp_path / "run", mesh)
+    try:
+        second = run_freefem(CASE, *mesh, *WHOLE, "-out", tmp_path / "run", "-overwrite", "1", check=False)
+        assert second.returncode == 3 and "another run is writing" in second.stderr
+    finally:
+        run.kill()
+        run.wait()
