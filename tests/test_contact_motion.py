@@ -184,9 +184,9 @@ def test_the_search_holds_in_many_mixtures(freefem_text):
     """Boxes and bunches of all shapes: nothing out of bounds, as many pairs both ways round."""
     done = freefem_text("""
 include "lib/contact_search.idp"
-int n = 1500, unequal = 0;
+int n = 800, unequal = 0;
 real[int] px(n), py(n), r(n);
-for (int trial = 0; trial < 120; ++trial) {
+for (int trial = 0; trial < 60; ++trial) {
     randinit(trial);
     real stretch = exp(6*randreal1()), share = randreal1();
     for (int k = 0; k < n; ++k) {

@@ -158,7 +158,8 @@ def residual(rows, scene, dt, multipliers):
     """max_k |min(A_kk l_k, w_k)|, in mean radii: q is recomputed from the clipped multipliers,
     so that one formula judges every solver. Multipliers in the units of `scaled`."""
     matrix, d, weight, q0 = scaled(rows, scene, dt)
-    inverse = 1 / weight
+    with np.errstate(divide="ignore"):
+        inverse = 1 / weight
     multipliers = np.maximum(multipliers, 0)
     q = q0 + inverse * (matrix.T @ multipliers)
     diagonal = matrix.multiply(matrix) @ inverse
@@ -171,7 +172,7 @@ def residual(rows, scene, dt, multipliers):
 class Answer:
     """What the script gave: velocity (N, 2) in the scene's order, contacts as a list of rows
     (t, i, j, gap, nx, ny, impulse), figures: disks, constraints, steps, factorisations,
-    residual, time (s), gap; one dict a repetition."""
+    residual, gap (m), time and search (s of CPU); one dict a repetition."""
     velocity: np.ndarray
     contacts: np.ndarray
     figures: list
@@ -196,7 +197,7 @@ def read_contacts(path):
         return np.array([line.split(",") for line in stream.read().splitlines()[1:]], float).reshape(-1, 7)
 
 
-FIGURES = re.compile(r"disks (\d+), constraints (\d+), steps (\d+), factorisations (\d+), residual (\S+), least gap (\S+) m, time (\S+) s")
+FIGURES = re.compile(r"disks (\d+), constraints (\d+), steps (\d+), factorisations (\d+), residual (\S+), least gap (\S+) m, time (\S+) s, search (\S+) s")
 
 
 def project(scene, dt=0.01, tol=1e-10, solver="newton", repeat=1, options=None, limit=None):
@@ -213,7 +214,7 @@ def project(scene, dt=0.01, tol=1e-10, solver="newton", repeat=1, options=None, 
             raise BadInput(done.reason)
         velocity = np.loadtxt(f"{folder}/projected.csv", delimiter=",", skiprows=1, ndmin=2)[:, 1:]
         contacts = read_contacts(f"{folder}/contacts.csv")
-    names = "disks constraints steps factorisations residual gap time".split()
+    names = "disks constraints steps factorisations residual gap time search".split()
     figures = [dict(zip(names, map(float, match))) for match in FIGURES.findall(done.log)]
     return Answer(velocity, contacts, figures, scene, dt, done.memory_mb)
 

@@ -1,0 +1,204 @@
+"""Contact projection against QP packages: CPU time at equal residual, on one core.
+
+    python -m tools.bench_contacts --quick
+    python -m tools.bench_contacts --out results/bench_contacts
+
+Random packings with walls. For each number of disks: the project's default, its other
+solvers where they end in time, and the PyPI packages piqp, clarabel, scs, osqp, which are
+installed where they are missing. Each package gets the assembled matrices and is asked for
+tighter and tighter tolerances until the residual, recomputed for all by one formula
+(tools/contact_problems.residual), is low enough; only its last, successful solve counts.
+The project's time holds everything: search, assembly, solution, check of the true gaps.
+Leaves bench_contacts.csv and bench_contacts.png. Times are CPU seconds of this machine;
+other work on it makes all of them longer.
+"""
+import csv
+import importlib
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS"):
+    os.environ[_name] = "1"
+
+import numpy as np  # noqa: E402
+from scipy import sparse  # noqa: E402
+
+from tools.command import BadInput, Parser, guarded  # noqa: E402
+from tools.contact_problems import constraints, packing, project, residual, scaled  # noqa: E402
+
+PEERS = {"piqp": "0.6.4", "clarabel": "0.11.1", "scs": "3.3.1", "osqp": "1.1.3"}
+DT = 0.01
+COLUMNS = ["disks", "kind", "solver", "tolerance", "cpu_s", "residual", "steps", "constraints", "search_s", "warm_s", "memory_mb", "note"]
+
+
+def install(names):
+    """The packages that can be imported, after pip has fetched the missing ones."""
+    there = []
+    for name in names:
+        try:
+            importlib.import_module(name)
+        except ImportError:
+            subprocess.run([sys.executable, "-m", "pip", "-q", "install", f"{name}=={PEERS[name]}"], check=False)
+            importlib.invalidate_caches()
+        try:
+            importlib.import_module(name)
+            there.append(name)
+        except ImportError:
+            print(f"{name}: cannot be installed here, left out")
+    return there
+
+
+def piqp(B, d, w, q0, eps, limit):
+    import piqp as package
+    solver = package.SparseSolver()
+    s = solver.settings
+    s.eps_abs = s.eps_duality_gap_abs = eps
+    s.eps_rel = s.eps_duality_gap_rel = 0.0
+    s.max_iter = 300
+    solver.setup(sparse.diags(w).tocsc(), -w * q0, None, None, (-B).tocsc(), None, d, None, None)
+    solver.solve()
+    return np.array(solver.result.z_u), solver.result.info.iter
+
+
+def clarabel(B, d, w, q0, eps, limit):
+    import clarabel as package
+    s = package.DefaultSettings()
+    s.verbose = False
+    s.tol_gap_abs = s.tol_gap_rel = s.tol_feas = eps
+    s.time_limit, s.max_iter, s.max_threads = limit, 200, 1
+    done = package.DefaultSolver(sparse.diags(w).tocsc(), -w * q0, (-B).tocsc(), d, [package.NonnegativeConeT(len(d))], s).solve()
+    return np.array(done.z), done.iterations
+
+
+def scs(B, d, w, q0, eps, limit):
+    import scs as package
+    done = package.SCS({"P": sparse.diags(w).tocsc(), "A": (-B).tocsc(), "b": d, "c": -w * q0}, {"l": len(d)},
+                       eps_abs=eps, eps_rel=0.0, max_iters=10**7, time_limit_secs=limit, verbose=False).solve()
+    return np.array(done["y"]), done["info"]["iter"]
+
+
+def osqp(B, d, w, q0, eps, limit):
+    import osqp as package
+    solver = package.OSQP()
+    solver.setup(P=sparse.diags(w).tocsc(), q=-w * q0, A=B.tocsc(), l=-d, u=np.full(len(d), np.inf), eps_abs=eps, eps_rel=0.0,
+                 max_iter=10**7, time_limit=limit, polishing=True, verbose=False)
+    done = solver.solve()
+    return -np.array(done.y), done.info.iter
+
+
+def run_peer(name, scene, rows, tol, limit):
+    """CPU time of the first tolerance that reaches the residual; a note where none does."""
+    B, d, w, q0 = scaled(rows, scene, DT)
+    spent, best, steps = 0.0, np.inf, 0
+    for eps in (10 * tol, tol, 0.1 * tol, 0.01 * tol, 1e-3 * tol, 1e-4 * tol):
+        begin = time.process_time()
+        try:
+            press, steps = globals()[name](B, d, w, q0, max(eps, 1e-15), limit)
+            found = residual(rows, scene, DT, np.nan_to_num(press))
+        except Exception as problem:  # a package that gives up is a result
+            return None, best, steps, f"failed: {problem}"[:60]
+        cpu = time.process_time() - begin
+        spent += cpu
+        best = min(best, found)
+        if found <= tol:
+            return cpu, found, steps, ""
+        if spent > limit:
+            return None, best, steps, f"not in {limit:g} s"
+    return None, best, steps, "residual not reached"
+
+
+def run_own(solver, scene, tol, limit):
+    """The project's solver: cold time, and the time of a warm-started repetition."""
+    try:
+        answer = project(scene, DT, tol, solver, repeat=2 if solver == "newton" else 1, limit=limit, options={"-contact-maxit": 10**7})
+    except BadInput as problem:
+        return {"note": f"not in {limit:g} s" if "limit" in str(problem) else str(problem)[:60]}
+    rows = constraints(scene, scene.reach(DT))
+    first = answer.figures[0]
+    return {"cpu_s": first["time"], "residual": residual(rows, scene, DT, answer.multipliers(rows)), "steps": first["steps"],
+            "constraints": first["constraints"], "search_s": first["search"], "memory_mb": answer.memory_mb,
+            "warm_s": answer.figures[-1]["time"] if len(answer.figures) > 1 else ""}
+
+
+def table(numbers, tolerances, kinds, peers, limit, seed=0, most=1200):
+    """All measurements as dicts; each is printed as it comes."""
+    found = []
+    for kind in kinds:
+        for number in numbers:
+            scene = packing(number, kind, seed, most=most)
+            rows = constraints(scene, scene.reach(DT))
+            print(f"{number} disks, {kind}: {len(rows.i)} constraints within reach of the packages", flush=True)
+            late = set()
+            for tol in tolerances:
+                for solver in ["newton", "accelerated", "uzawa", *peers]:
+                    row = {"disks": number, "kind": kind, "solver": solver, "tolerance": tol}
+                    if (solver in late) or (solver == "uzawa" and number > 5000):
+                        row["note"] = "left out: too slow"
+                    elif solver in peers:
+                        cpu, best, steps, note = run_peer(solver, scene, rows, tol, limit)
+                        row |= {"cpu_s": cpu, "residual": best, "steps": steps, "constraints": len(rows.i), "note": note}
+                    else:
+                        row |= run_own(solver, scene, tol, max(limit, 60))
+                    if row.get("note"):
+                        late.add(solver)
+                    found.append(row)
+                    cost = f"{row['cpu_s']:9.3f} s" if row.get("cpu_s") is not None else "        - "
+                    print(f"  {solver:12s} {tol:7.0e} {cost}  residual {row.get('residual', float('nan')):.1e}  {row.get('note', '')}", flush=True)
+    return found
+
+
+def write(found, folder):
+    """The CSV."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with open(folder / "bench_contacts.csv", "w", newline="") as stream:
+        rows = csv.DictWriter(stream, COLUMNS, restval="", lineterminator="\n")
+        rows.writeheader()
+        rows.writerows(found)
+    return folder / "bench_contacts.csv"
+
+
+def picture(found, folder):
+    """CPU time against the number of disks, one panel for each tolerance."""
+    from tools.plotting import MARKERS, PAGE_WIDTH, curve, plt, save
+    tolerances = sorted({row["tolerance"] for row in found}, reverse=True)
+    kind = found[0]["kind"]
+    names = {"newton": "default (Newton finish)", "accelerated": "accelerated", "uzawa": "plain Uzawa"}
+    figure, panels = plt.subplots(1, len(tolerances), figsize=(PAGE_WIDTH, 3.6), sharey=True, squeeze=False, layout="constrained")
+    for axes, tol in zip(panels[0], tolerances):
+        for k, solver in enumerate(dict.fromkeys(row["solver"] for row in found)):
+            points = [(row["disks"], row["cpu_s"]) for row in found if row["solver"] == solver and row["tolerance"] == tol
+                      and row["kind"] == kind and row.get("cpu_s") is not None]
+            if points:
+                style = curve(k) if k < 6 else {"color": "#56b4e9", "linestyle": (0, (3, 3))}
+                axes.loglog(*zip(*points), marker=(MARKERS + "X")[k % 7], markersize=4, label=names.get(solver, solver), **style)
+        axes.set(xlabel="disks", title=f"residual {tol:.0e} of a mean radius")
+        axes.grid(True)
+    panels[0][0].set_ylabel("CPU time on one core (s)")
+    panels[0][0].legend(loc="upper left")
+    return save(figure, folder / "bench_contacts.png")
+
+
+def main(words=None):
+    """Run the benchmark."""
+    options = Parser(prog="python -m tools.bench_contacts", description=__doc__)
+    options.add_argument("--quick", action="store_true", help="500 and 5,000 disks only")
+    options.add_argument("--numbers", type=int, nargs="+", metavar="N", help="numbers of disks (default 500 5000 20000 100000)")
+    options.add_argument("--kinds", nargs="+", default=["random"], choices=["random", "gravity"], help="packings")
+    options.add_argument("--peers", nargs="*", default=list(PEERS), choices=list(PEERS), help="packages to compare with")
+    options.add_argument("--limit", type=float, default=120, help="most seconds of a package (default 120)")
+    options.add_argument("--tolerances", type=float, nargs="+", default=[1e-8, 1e-10])
+    options.add_argument("--out", metavar="DIR", default="results/bench_contacts", help="folder of CSV and figure")
+    given = options.parse_args(words)
+    numbers = given.numbers or ([500, 5000] if given.quick else [500, 5000, 20000, 100000])
+    found = table(numbers, given.tolerances, given.kinds, install(given.peers), given.limit)
+    folder = Path(given.out)
+    print(write(found, folder))
+    print(picture(found, folder))
+    return 0
+
+
+if __name__ == "__main__":
+    guarded(main)
