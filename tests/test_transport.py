@@ -1,0 +1,84 @@
+"""Particles carried one way: paths, orders, dispersion, sampling of the flow, contacts, exits."""
+import csv
+import re
+
+import numpy as np
+import pytest
+
+from tools import validate_transport
+from tools.validation import Context
+
+SCRIPT = "tests/transport/analytic.edp"
+
+
+@pytest.mark.parametrize("name", ["tracer", "together", "unsteady", "dispersion"])
+def test_paths(name, tmp_path):
+    for row in getattr(validate_transport, name)(Context("transport", tmp_path, 300, lambda line: None)):
+        assert row.passed, f"{row.quantity}: {row.measured} (target {row.target}, {row.allowed}) {row.reason}"
+
+
+def test_flow_at_points_is_exact_for_a_quadratic(freefem):
+    text = freefem("tests/transport/carrier.edp").stdout
+    number = {name: float(value) for name, value in re.findall(r"^(time|worst|outside) (\S+)", text, re.M)}
+    assert number["worst"] < 1e-10 and number["outside"] == 0
+    assert "flags 01010" in text
+    values = [float(word) for word in re.search(r"^rim (.*)", text, re.M)[1].split()]
+    assert values[0] == pytest.approx(values[1], abs=0.02) and values[2] == pytest.approx(values[3], abs=0.02)
+
+
+def rows(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_contacts_keep_falling_spheres_apart(freefem, run_folder):
+    """Large spheres fall on small ones below them: none overlaps."""
+    freefem(SCRIPT, "-out", run_folder, "-number", 5, "-spread", 0.012, "-radius", 0.001, "-contacts", 1, "-density", 2500, "-radius-last", 0.0005,
+            "-drag", "brown-lawler", "-tend", 0.2, "-dt", 0.001)
+    table = rows(run_folder / "particles.csv")
+    end = max(float(row["t"]) for row in table)
+    last = sorted((row for row in table if float(row["t"]) == end), key=lambda row: int(row["id"]))
+    y, r, x = (np.array([float(row[name]) for row in last]) for name in ("y", "radius", "x"))
+    assert (np.hypot(np.diff(x), np.diff(y)) - r[1:] - r[:-1]).min() > -1e-10
+    gaps = [float(row["worst_gap"]) for row in rows(run_folder / "steps.csv") if float(row["worst_gap"]) < 1e29]
+    assert min(gaps) > -1e-8 * 0.0005
+
+
+def test_two_runs_with_one_seed_are_the_same_and_another_seed_differs(freefem, tmp_path):
+    words = ["-turbulence", "fluctuation", "-sigma", 0.1, "-number", 5, "-tend", 0.05, "-dt", 0.01]
+    for name, seed in (("a", 3), ("b", 3), ("c", 4)):
+        freefem(SCRIPT, "-out", tmp_path / name, "-turbulence-seed", seed, *words)
+    texts = [(tmp_path / name / "particles.csv").read_text() for name in "abc"]
+    assert texts[0] == texts[1] != texts[2]
+
+
+def test_the_paper_s_turbulent_force_acts_across_the_flow(freefem, run_folder):
+    freefem(SCRIPT, "-out", run_folder, "-flow", "uniform", "-speed", 2, "-start-u", 2, "-turbulence", "paper", "-sigma", 0.2, "-buoyancy", 0,
+            "-number", 200, "-tend", 0.05, "-dt", 0.01)
+    table = [row for row in rows(run_folder / "particles.csv") if float(row["t"]) > 0.045]
+    assert np.std([float(row["v"]) for row in table]) > 1e-3
+    assert np.ptp([float(row["u"]) for row in table]) < 0.2 * np.ptp([float(row["v"]) for row in table])
+
+
+LAMINAR = ["-model", "laminar", "-reynolds", 100]
+
+
+@pytest.mark.slow
+def test_pipe_transport_reuses_its_flow_and_loses_nobody(freefem, tmp_path):
+    folder = tmp_path / "flow"
+    words = [*LAMINAR, "-flow", folder, "-tend", 0.5, "-number", 20]
+    first = freefem("cases/pipe_transport.edp", *words, "-out", tmp_path / "one", timeout=900)
+    second = freefem("cases/pipe_transport.edp", *words, "-out", tmp_path / "two", timeout=300)
+    assert "computing the steady flow" in first.stdout and "is taken from" in second.stdout
+    assert (tmp_path / "one/particles.csv").read_text() == (tmp_path / "two/particles.csv").read_text()
+    last = rows(tmp_path / "two/steps.csv")[-1]
+    assert int(last["lost"]) == 0 and int(last["entered"]) == int(last["particles"]) + int(last["left"])
+    worst = min(float(row["worst_gap"]) for row in rows(tmp_path / "two/steps.csv"))
+    assert worst > -1e-8 * 0.01
+    refused = freefem("cases/pipe_transport.edp", *LAMINAR, "-vmax", 1, "-flow", folder, "-out", tmp_path / "three", check=False)
+    assert refused.returncode == 3 and len(refused.stderr.splitlines()) == 1 and "another setting" in refused.stderr
+
+
+def test_a_missing_mesh_is_one_line_and_status_3(freefem, tmp_path):
+    done = freefem("cases/pipe_transport.edp", "-out", tmp_path / "run", "-mesh", "nowhere.mesh", check=False)
+    assert done.returncode == 3 and "cannot read the mesh file" in done.stderr and len(done.stderr.splitlines()) == 1

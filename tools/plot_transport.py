@@ -1,0 +1,86 @@
+"""Pictures of a transport run: particles and flow at successive times, and trajectories.
+
+    python -m tools.plot_transport RUN [--out DIR] [--times T1,T2,...]
+
+Writes transport.png (figure 7 of the paper: positions over the speed of the steady flow)
+and trajectories.png into DIR, by default the run folder.
+"""
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from tools.command import BadInput, Parser, guarded
+from tools.mesh_files import read_field
+from tools.plot import plot_trajectories
+from tools.plotting import draw_outline, draw_speed, frame, panels, particle_artists, save, speed_of, speed_top, time_text
+from tools.run_folder import RunFolder
+
+
+def chosen_times(run, number=6):
+    """Times spread over the part of the run in which most happens: until nine tenths of
+    the particles that leave have left, at least a third of the run."""
+    end = float(run.particles["t"].max())
+    if run.has("exits") and len(run.table("exits")["t"]):
+        end = min(end, max(end / 3, 1.1 * float(np.quantile(run.table("exits")["t"], 0.9))))
+    return np.linspace(0, end, number + 1)[1:]
+
+
+def plot_transport(run, path, times=None):
+    """The particles at the times, over the speed of the flow that carries them."""
+    field = run.folder / "fields_0000000.vtu"
+    if not len(run.particles["t"]):
+        raise BadInput(f"{run.folder / 'particles.csv'} has no rows: nothing to draw")
+    flow = read_field(field) if field.is_file() else None
+    times = chosen_times(run) if times is None else times
+    figure, axes, bar = panels(len(times), run.extent)
+    drawn = None
+    top, extend = speed_top([speed_of(flow[1])]) if flow else (1, "neither")
+    for one, t in zip(axes, times):
+        if flow:
+            drawn = draw_speed(one, flow[0], speed_of(flow[1]), top)
+        draw_outline(one, run.mesh)
+        inside = run.particles_at(t)
+        particle_artists(one, inside)
+        frame(one, run.extent, run.units["length"])
+        one.set_title(f"{time_text(t)}: {inside.shape[1]} inside", pad=3)
+    if drawn is None:
+        bar.remove()
+    else:
+        figure.colorbar(drawn, cax=bar, extend=extend).set_label("speed of the flow (m/s)")
+    inches = figure.get_size_inches()
+    figure.text(0.5, 1 - 0.1 / inches[1], f"{run.title}: steady flow and particles", ha="center", va="top", fontsize=10)
+    return save(figure, path)
+
+
+def parser():
+    """The options."""
+    options = Parser(prog="python -m tools.plot_transport", description=__doc__)
+    options.add_argument("run", help="run folder of a transport case")
+    options.add_argument("--out", metavar="DIR", help="where the pictures go (default: the run folder)")
+    options.add_argument("--times", metavar="T1,T2,...", help="times in s (default: six)")
+    return options
+
+
+def main(words=None):
+    """Make both pictures."""
+    given = parser().parse_args(words)
+    run = RunFolder(given.run)
+    times = None
+    if given.times:
+        try:
+            times = [float(word) for word in given.times.split(",")]
+        except ValueError:
+            raise BadInput(f"--times needs numbers with commas between, not '{given.times}'") from None
+    out = Path(given.out or given.run)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise BadInput(f"cannot make the folder {out}: {problem}") from None
+    print(plot_transport(run, out / "transport.png", times))
+    print(plot_trajectories(run, out / "trajectories.png"))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(guarded(main))

@@ -1,0 +1,151 @@
+"""What becomes of the particles, by class of diameter, with the spread over seeds.
+
+    python -m tools.transport_table [--seeds 20] [--out DIR] [--jobs 1] [OPTION VALUE ...]
+    python -m tools.transport_table --runs RUN RUN ...
+
+Runs cases/pipe_transport.edp once a seed (options behind are handed to it; runs that are
+there and finished with the same options are kept) and writes table.csv and table.png into
+DIR (default results/transport_table). Per class, in per cent of its particles, mean and
+standard deviation over the seeds:
+  carried through   left by the outlet before the end of the run
+  trapped           at the end before the first obstacle (the diaphragm), a second or more after entering
+  behind            at the end still in the pipe behind the diaphragm
+  recirculation     was carried upstream (u < 0) behind the diaphragm for at least 0.05 s in all
+  bottom            less than 1 cm above the lower wall for more than half of its time in the pipe
+"""
+import json
+import os
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+
+from tools.command import ROOT, BadInput, Parser, guarded
+from tools.plotting import PAGE_WIDTH, CURVES, plt, save
+from tools.run_folder import RunFolder
+from tools.runner import run_case
+from tools.tables import write_table
+
+CASE = "cases/pipe_transport.edp"
+FATES = ("carried through", "trapped", "behind", "recirculation", "bottom")
+CLASSES = np.array([0.010, 0.015, 0.020, 0.025, 0.030001])
+
+
+def fates(run, front=0.295, low=-0.1, near=0.01):
+    """(diameters, {fate: 0/1 of each particle}) of a run."""
+    tracks, end = run.tracks, run.particles["t"].max()
+    exits = run.table("exits")
+    through = set(exits["id"][exits["outlet"] > 0.5].astype(int))
+    sizes, found = [], {name: [] for name in FATES}
+    for one, track in tracks.items():
+        t, x, y, u = (track[name] for name in ("t", "x", "y", "u"))
+        step = np.diff(t, append=t[-1])
+        inside = t[-1] > end - 1e-9 and one not in through
+        backward = float(np.sum(step[(u < 0) & (x > front)]))
+        low_time = float(np.sum(step[y - track["radius"] < low + near]))
+        sizes.append(2 * track["radius"][0])
+        for name, what in zip(FATES, (one in through, inside and x[-1] < front and t[-1] - t[0] >= 1.0, inside and x[-1] >= front,
+                                      backward >= 0.05, low_time > 0.5 * max(t[-1] - t[0], 1e-12))):
+            found[name].append(bool(what))
+    return np.array(sizes), {name: np.array(values) for name, values in found.items()}
+
+
+def table_of(runs):
+    """Rows [class low, class high, particles a run, mean and deviation of each fate in %]."""
+    judged = [fates(run) for run in runs]
+    rows = []
+    for low, high in [*zip(CLASSES[:-1], CLASSES[1:]), (CLASSES[0], CLASSES[-1])]:
+        parts, numbers = {name: [] for name in FATES}, []
+        for sizes, found in judged:
+            mine = (sizes >= low) & (sizes < high)
+            numbers.append(int(mine.sum()))
+            for name in FATES:
+                if mine.any():
+                    parts[name].append(100 * found[name][mine].mean())
+        row = [low, round(high, 3), float(np.mean(numbers))]
+        for name in FATES:
+            values = np.array(parts[name])
+            row += [values.mean() if len(values) else np.nan, values.std(ddof=1) if len(values) > 1 else np.nan]
+        rows.append(row)
+    return rows
+
+
+def plot_table(rows, path, seeds):
+    """Bars by class with the standard deviation over the seeds."""
+    figure, axes = plt.subplots(figsize=(PAGE_WIDTH, 3.2), layout="constrained")
+    width = 0.8 / len(FATES)
+    for k, name in enumerate(FATES):
+        heights, spread = [row[3 + 2 * k] for row in rows], [row[4 + 2 * k] for row in rows]
+        places = np.arange(len(rows)) + (k - len(FATES) / 2 + 0.5) * width
+        axes.bar(places, heights, 0.9 * width, color=CURVES[k][0], label=name)
+        low = [min(s, h) for s, h in zip(spread, heights)]
+        axes.errorbar(places, heights, yerr=[low, spread], fmt="none", ecolor="black", elinewidth=0.7, capsize=1.5)
+    axes.set_xticks(range(len(rows)), [f"{100 * row[0]:g} to {100 * row[1]:g} cm" for row in rows[:-1]] + ["all"])
+    axes.set_ylabel("particles of the class (%)")
+    axes.set_ylim(0, 105)
+    axes.grid(True, axis="y")
+    axes.legend(ncols=len(FATES), loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.2, handlelength=1.2)
+    figure.text(0.995, 0.005, f"bars: mean, lines: standard deviation over {seeds} seeds", ha="right", va="bottom", fontsize=7)
+    return save(figure, path)
+
+
+def finished(folder, options):
+    """True if a finished run with these options stands in the folder."""
+    try:
+        info = json.loads((folder / "run.json").read_text())
+        given = info.get("parameters", {})
+        return info.get("status") == "finished" and all(str(given.get(name)) == str(value) or float(given.get(name)) == float(value) for name, value in options.items())
+    except (OSError, ValueError, TypeError):
+        return False
+
+
+def compute(seeds, out, options, jobs):
+    """The run folders, one a seed; those that are missing are made."""
+    def one(seed):
+        folder, wanted = out / f"seed_{seed:03d}", {**options, "-seed": seed}
+        if not finished(folder, wanted):
+            done = run_case(CASE, wanted, out=folder)
+            if not done.ok:
+                raise BadInput(f"seed {seed}: {done.reason}")
+            print(f"seed {seed}: {done.cpu_s:.1f} s of CPU", flush=True)
+        return folder
+    first = one(1)  # the steady flow is made once
+    with ThreadPoolExecutor(jobs) as pool:
+        return [first, *pool.map(one, range(2, seeds + 1))]
+
+
+def parser():
+    """The options."""
+    options = Parser(prog="python -m tools.transport_table", description=__doc__)
+    options.add_argument("--seeds", type=int, default=20, metavar="N", help="number of seeds (default 20)")
+    options.add_argument("--jobs", type=int, default=1, metavar="N", help="runs at a time (default 1)")
+    options.add_argument("--out", default=str(ROOT / "results" / "transport_table"), metavar="DIR", help="where the runs and the table go")
+    options.add_argument("--runs", nargs="+", metavar="RUN", help="run folders to judge instead of running")
+    return options
+
+
+def main(words=None):
+    """Write the table; 0."""
+    given, rest = parser().parse_known_args(words)
+    if given.seeds < 1 or given.jobs < 1:
+        raise BadInput("--seeds and --jobs must be at least 1")
+    if len(rest) % 2 or any(not name.startswith("-") for name in rest[::2]):
+        raise BadInput(f"options of the case come in pairs, -name value; not {' '.join(rest)}")
+    out = Path(given.out).resolve()
+    os.makedirs(out, exist_ok=True)
+    folders = given.runs or compute(given.seeds, out, dict(zip(rest[::2], rest[1::2])), given.jobs)
+    rows = table_of([RunFolder(folder) for folder in folders])
+    names = ["diameter_from_m", "diameter_to_m", "particles"] + [f"{name.replace(' ', '_')}_{what}" for name in FATES for what in ("percent", "deviation")]
+    write_table(out / "table.csv", names, rows)
+    print("diameter (cm)   number  " + "  ".join(f"{name:>16}" for name in FATES))
+    for row in rows:
+        cells = "  ".join(f"{row[3 + 2 * k]:9.1f} +-{row[4 + 2 * k]:5.1f}" for k in range(len(FATES)))
+        print(f"{100 * row[0]:4.1f} to {100 * row[1]:4.1f}   {row[2]:6.1f}  {cells}")
+    print(out / "table.csv")
+    print(plot_table(rows, out / "table.png", len(folders)))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(guarded(main))
