@@ -13,6 +13,7 @@ CASES = {
     "poiseuille": ["-tend", "0.1"],
     "taylor_green": ["-tend", "0.02"],
     "pipe_obstacles": ["-tend", "0.01"],
+    "pipe_jet": ["-tend", "0.01"],
     "settling_disk": ["-tend", "0.01"],
     "drafting_kissing_tumbling": ["-tend", "0.002"],
     "cylinder_between_plates": ["-tend", "0.01"],
