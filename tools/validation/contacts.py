@@ -1,0 +1,21 @@
+"""Contacts: problems with exact answers, a QP package, the falling particles."""
+from tools import validate_contacts as contacts
+
+SOURCES = [
+    (contacts.instances, "exact solutions, two independent solvers"),
+    (contacts.row_of_disks, "isotonic regression"),
+    (contacts.column, "weight above each contact"),
+    (contacts.momentum, "conservation of momentum"),
+    (contacts.quadratic_program, "QP package piqp"),
+    (contacts.falling, "rest, no overlap, balances"),
+]
+
+
+def contact_accuracy(context):
+    """The projection against exact answers; the benchmark of speed is tools.validate_contacts."""
+    for part, source in SOURCES:
+        for name, target, measured in part():
+            yield context.row(name, source, target, measured, at_most=target)
+
+
+VALIDATIONS = [contact_accuracy]
