@@ -23,7 +23,8 @@ def chosen_times(run, number=6):
     end = float(run.particles["t"].max())
     if run.has("exits") and len(run.table("exits")["t"]):
         end = min(end, max(end / 3, 1.1 * float(np.quantile(run.table("exits")["t"], 0.9))))
-    return np.linspace(0, end, number + 1)[1:]
+    times = np.linspace(0, end, number + 1)[1:]
+    return np.array([float(f"{t:.2g}") for t in times])
 
 
 def plot_transport(run, path, times=None):
