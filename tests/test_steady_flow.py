@@ -1,0 +1,204 @@
+"""Steady flow alone: laminar Newton, the k-epsilon model, the state kept in a folder."""
+import csv
+import math
+import subprocess
+import sys
+
+import pytest
+
+from tools.command import ROOT
+
+
+def results(folder):
+    """results.csv of a run as {quantity: value}."""
+    with open(folder / "results.csv", newline="") as file:
+        return {row["quantity"]: float(row["value"]) for row in csv.DictReader(file)}
+
+
+def rows(path):
+    """A CSV as a list of {column: number}."""
+    with open(path, newline="") as file:
+        return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+
+
+def run(freefem, folder, case, *args):
+    freefem(f"cases/{case}.edp", "-out", folder, *args)
+    return results(folder)
+
+
+PIPE_MESH = """MeshVersionFormatted 2
+Dimension 2
+Vertices
+{vertices}
+Triangles
+{triangles}
+Edges
+{edges}
+End
+"""
+
+
+def write_box(path, length, low, high, nx, ny, bottom):
+    """A structured mesh of [0, length] x [low, high]: inlet, outlet, wall above, `bottom` below."""
+    lines, triangles, edges = [], [], []
+    for j in range(ny + 1):
+        for i in range(nx + 1):
+            label = 0
+            lines.append(f"{length * i / nx:.12g} {low + (high - low) * j / ny:.12g} {label}")
+    def at(i, j):
+        return j * (nx + 1) + i + 1
+    for j in range(ny):
+        for i in range(nx):
+            triangles.append(f"{at(i, j)} {at(i + 1, j)} {at(i + 1, j + 1)} 0")
+            triangles.append(f"{at(i, j)} {at(i + 1, j + 1)} {at(i, j + 1)} 0")
+    for i in range(nx):
+        edges.append(f"{at(i, 0)} {at(i + 1, 0)} {bottom}")
+        edges.append(f"{at(i + 1, ny)} {at(i, ny)} 3")
+    for j in range(ny):
+        edges.append(f"{at(nx, j)} {at(nx, j + 1)} 2")
+        edges.append(f"{at(0, j + 1)} {at(0, j)} 1")
+    path.write_text(PIPE_MESH.format(vertices="\n".join([str(len(lines)), *lines]),
+                                     triangles="\n".join([str(len(triangles)), *triangles]),
+                                     edges="\n".join([str(len(edges)), *edges])))
+    return path
+
+
+@pytest.mark.parametrize("axisymmetric", [0, 1])
+def test_poiseuille_is_exact(freefem, run_folder, axisymmetric):
+    found = run(freefem, run_folder, "turbulent_channel", "-model", "laminar", "-retau", 20, "-cells", 6,
+                "-axisymmetric", axisymmetric)
+    assert found["velocity_error"] < 1e-9
+
+
+def test_hagen_poiseuille_pressure_drop_through_the_pipe_case(freefem, run_folder, tmp_path):
+    # 8 mu L U_mean / R^2 between two sections; the traction-free outlet bends the last stretch.
+    mesh = write_box(tmp_path / "pipe.mesh", 1.0, 0.0, 0.1, 24, 6, bottom=8)
+    found = run(freefem, run_folder, "pipe_flow", "-mesh", mesh, "-model", "laminar", "-reynolds", 100, "-vmax", 1,
+                "-axisymmetric", 1)
+    mu = 998.2 * 1 * 0.2 / 100
+    assert found["flux_in"] == pytest.approx(math.pi * 0.1**2 / 2, rel=1e-9)
+    wall = [r for r in rows(run_folder / "wall.csv") if 0.2 < r["x"] < 0.8]
+    slope = (wall[-1]["pressure"] - wall[0]["pressure"]) / (wall[-1]["x"] - wall[0]["x"])
+    assert -slope == pytest.approx(8 * mu * 0.5 / 0.1**2, rel=1e-4)
+    assert wall[5]["shear"] == pytest.approx(4 * mu * 0.5 / 0.1, rel=1e-4)
+
+
+def test_newton_cylinder_in_few_factorisations(freefem_text):
+    out = freefem_text(r'''
+include "lib/mesh.idp"
+mesh Th = meshRead("meshes/cylinder_channel.mesh");
+int newtonAxis = 0; real newtonNu = 1e-3, newtonSpeed = 0.3, newtonLength = 0.1, newtonForceX = 0;
+int[int] newtonInlet = [labelInlet], newtonWalls = [labelWall, labelCylinder], newtonSymmetry = [labelAxis];
+macro inletU() (1.2*y*(0.41 - y)/0.41^2) // EOM
+include "lib/newton.idp"
+int reached = newtonSolve(1e-8, 10);
+varf open0([a, b, q], [c, d, r]) = int2d(Th)(newtonNu*newtonStrain(newtonU, newtonV, c, d) - nP*newtonDiv(c, d)
+    + newtonAlong(newtonU, newtonV, newtonU)*c + newtonAlong(newtonU, newtonV, newtonV)*d);
+varf mark([a, b, q], [c, d, r]) = on(labelCylinder, a = 1., b = 0.);
+real[int] force = open0(0, Nh), weight = mark(0, Nh, tgv = -1);
+cout.precision(10);
+cout << "FOUND " << reached << " " << newtonFactorisations << " " << -2.*(weight'*force)/(0.2^2*0.1) << endl;
+''').stdout
+    reached, factorisations, drag = map(float, out.split("FOUND")[1].split()[:3])
+    assert reached == 1 and factorisations <= 10
+    assert drag == pytest.approx(5.57953523384, rel=5e-4)  # DFG 2D-1, straight edges
+
+
+def test_channel_friction_is_that_of_dean(freefem, run_folder):
+    found = run(freefem, run_folder, "turbulent_channel", "-retau", 5000, "-cells", 20)
+    assert found["residual"] <= 1e-6
+    assert abs(found["friction_error"]) < 0.05
+    assert found["log_law_worst"] < 0.05
+
+
+def test_pipe_friction_is_that_of_prandtl(freefem, run_folder):
+    found = run(freefem, run_folder, "turbulent_channel", "-retau", 5000, "-cells", 20, "-axisymmetric", 1)
+    assert abs(found["friction_error"]) < 0.05
+
+
+def test_step_reattaches(freefem, run_folder):
+    # The range is that of coarse meshes; tools.validate_steady judges the fine one.
+    found = run(freefem, run_folder, "turbulent_step", "-size", 0.25)
+    assert found["residual"] <= 1e-6
+    assert 5 < found["reattachment_over_height"] < 7.5
+    assert abs(found["flux_defect"]) < 1e-3
+    zones = rows(run_folder / "zones.csv")
+    assert any(zone["side"] == -1 and zone["separation"] < 1 for zone in zones)
+
+
+SHORT = ["-reynolds", "100", "-model", "laminar"]
+
+
+@pytest.fixture(scope="module")
+def coarse_pipe(tmp_path_factory):
+    """A coarse mesh of the pipe with its bodies."""
+    path = tmp_path_factory.mktemp("pipe") / "pipe.mesh"
+    subprocess.run([sys.executable, "-m", "tools.mesh", "pipe_flow", "--size", "0.02", "--out", str(path)],
+                   cwd=ROOT, check=True, capture_output=True)
+    return path
+
+
+def test_laminar_pipe_and_its_state(freefem, freefem_text, run_folder, coarse_pipe):
+    found = run(freefem, run_folder, "pipe_flow", "-mesh", coarse_pipe, *SHORT)
+    assert found["residual"] <= 1e-6 and found["factorisations"] <= 10
+    assert abs(found["flux_defect"]) < 1e-6
+    assert found["speed_most_at_the_walls_edge_of_the_mesh"] < 1e-9
+    assert found["diaphragm_lower_length"] > 0 and found["obstacle_upper_length"] > 0
+    assert found["diaphragm_throat_speed_most"] > 2
+    assert (run_folder / "fields.vtu").is_file()
+    text = f'''
+include "lib/mesh.idp"
+mesh Th = meshRead("{run_folder}/mesh.mesh");
+include "lib/steady_state.idp"
+steadyLoad("{run_folder}");
+cout.precision(12);
+cout << "FOUND " << int1d(Th, labelInlet)(-steadyU*N.x) << " " << steadyDensity << " " << steadyModel
+     << " " << steadyMatches("{run_folder}", "another setting") << endl;
+'''
+    words = freefem_text(text).stdout.split("FOUND")[1].split()
+    assert float(words[0]) == pytest.approx(found["flux_in"], rel=1e-9)
+    assert words[1:4] == ["998.2", "laminar", "0"]
+    # a state whose mesh was changed is refused
+    with open(run_folder / "mesh.mesh", "a") as file:
+        file.write("\n")
+    refused = freefem_text(text, check=False)
+    assert refused.returncode == 3 and "does not belong" in refused.stderr
+
+
+@pytest.mark.parametrize("args, says", [
+    (["-model", "k-omega"], "must be one of"),
+    (["-mesh", "nowhere.mesh"], "nowhere.mesh"),
+    (["-axisymmetric", "1"], "axis"),
+    (["-intensity", "2"], "between"),
+    (["-modle", "laminar"], "-model"),
+])
+def test_bad_input_is_refused(freefem, run_folder, args, says):
+    refused = freefem("cases/pipe_flow.edp", "-out", run_folder, *args, check=False)
+    assert refused.returncode == 3
+    assert says in refused.stderr and refused.stderr.startswith("error: ")
+    assert not run_folder.exists()
+
+
+@pytest.mark.slow
+def test_turbulent_pipe(freefem, run_folder):
+    found = run(freefem, run_folder, "pipe_flow")
+    assert found["residual"] <= 1e-6
+    assert found["cpu_time"] < 180
+    assert 3.5 < found["loss_coefficient"] < 4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("opening", [0.3, 0.5])
+def test_diaphragm_loss_is_that_of_borda_and_carnot(freefem, run_folder, opening):
+    found = run(freefem, run_folder, "diaphragm_loss", "-opening", opening)
+    assert found["loss_over_borda_carnot"] == pytest.approx(1, abs=0.1)
+    assert found["contraction"] == pytest.approx(found["contraction_mises"], rel=0.06)
+
+
+def test_the_pictures_are_drawn(freefem, run_folder, coarse_pipe):
+    from tools import plot_steady
+    run(freefem, run_folder, "pipe_flow", "-mesh", coarse_pipe, *SHORT)
+    assert plot_steady.main([str(run_folder)]) == 0
+    for name in ("streamlines", "speed", "pressure", "walls"):
+        assert (run_folder / f"{name}.png").stat().st_size > 5000
+    assert not (run_folder / "k.png").exists()

@@ -1,0 +1,121 @@
+"""Pictures of a steady flow: streamlines, speed, pressure, k and eddy viscosity.
+
+    python -m tools.plot_steady results/pipe_flow/run_001
+
+Reads fields.vtu, mesh.mesh, wall.csv and zones.csv of a run of scripts/steady_flow.edp and
+writes PNGs into the run folder (or --out FOLDER). Exit status 3 when they are not there.
+"""
+from pathlib import Path
+
+import numpy as np
+from matplotlib.tri import LinearTriInterpolator, Triangulation
+
+from tools.command import BadInput, Parser, guarded
+from tools.mesh_files import read_field, read_mesh
+from tools.plotting import FIELD_MAP, PAGE_WIDTH, curve, draw_outline, frame, plt
+from tools.run_folder import RunFolder
+
+# file, label of the colour bar, how the values come from the fields
+PICTURES = [
+    ("speed", "speed (m/s)", lambda v: np.hypot(*v["velocity"][:, :2].T)),
+    ("pressure", "pressure (Pa)", lambda v: v["pressure"]),
+    ("k", "k (m²/s²)", lambda v: v["k"]),
+    ("nu_t", "eddy viscosity (m²/s)", lambda v: v["nu_t"]),
+]
+
+
+def one_panel(mesh):
+    """(figure, axes, axes of the colour bar) for a flow drawn to scale."""
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    extent = (*low, *(high - low))
+    height = np.clip((PAGE_WIDTH - 1.6) * extent[3] / extent[2], 0.7, 5.0) + 0.9
+    figure, axes = plt.subplots(figsize=(PAGE_WIDTH, height), layout="constrained")
+    frame(axes, extent)
+    return figure, axes
+
+
+def draw_field(mesh, values, label, path, streams=None):
+    """One scalar field with the outline; `streams`: velocity whose streamlines go on top."""
+    figure, axes = one_panel(mesh)
+    grid = Triangulation(*mesh.points.T, mesh.triangles)
+    drawn = axes.tripcolor(grid, values, shading="gouraud", cmap=FIELD_MAP, rasterized=True)
+    if streams is not None:
+        draw_streams(axes, grid, streams)
+    draw_outline(axes, mesh)
+    figure.colorbar(drawn, ax=axes, label=label, shrink=0.95, pad=0.01)
+    figure.savefig(path)
+    plt.close(figure)
+
+
+def draw_streams(axes, grid, velocity):
+    """Streamlines on a regular grid, masked outside the fluid."""
+    wide, high = np.ptp(grid.x), np.ptp(grid.y)
+    rows = int(np.clip(600 * high / wide, 60, 600))
+    # streamplot draws nothing on the rim, where rounding may put a point outside
+    x = np.linspace(grid.x.min(), grid.x.max(), 600)
+    y = np.linspace(grid.y.min(), grid.y.max(), rows)
+    points = np.meshgrid(x, y)
+    u, v = (LinearTriInterpolator(grid, component)(*points) for component in velocity[:, :2].T)
+    axes.streamplot(x, y, u, v, color="white", linewidth=0.45, arrowsize=0.5,
+                    density=(3.2, max(0.9, 3.2 * high / wide * 2.2)), broken_streamlines=True)
+
+
+def draw_walls(run, path):
+    """Wall shear and pressure along the lower and the upper wall; zones of reversed flow grey."""
+    wall, zones = run.table("wall"), run.table("zones")
+    figure, both = plt.subplots(2, 1, figsize=(PAGE_WIDTH, 4.4), sharex=True, layout="constrained")
+    for k, (side, name) in enumerate(((-1, "lower wall"), (1, "upper wall"))):
+        own = wall["side"] == side
+        if not own.any():
+            continue
+        for axes, column in zip(both, ("shear", "pressure")):
+            axes.plot(wall["x"][own], wall[column][own], **curve(k), label=name)
+    for side, start, end in zip(zones["side"], zones["separation"], zones["reattachment"]):
+        for axes in both:
+            axes.axvspan(start, end, ymin=0 if side < 0 else 0.96, ymax=0.04 if side < 0 else 1, color="#9a9a9a")
+    both[0].axhline(0, color="black", linewidth=0.6)
+    both[0].set_ylabel("wall shear (Pa)")
+    # a sharp edge carries a peak that would hide the rest
+    spread = np.nanpercentile(abs(wall["shear"]), 97)
+    both[0].set_ylim(-1.3 * spread, 1.3 * spread)
+    both[1].set_ylabel("wall pressure (Pa)")
+    both[1].set_xlabel("x (m); grey bars: reversed flow at the lower (bottom) and upper (top) wall")
+    for axes in both:
+        axes.grid(True)
+    both[1].legend(loc="best")
+    figure.savefig(path)
+    plt.close(figure)
+
+
+def main(arguments=None):
+    """The command line."""
+    parser = Parser(prog="python -m tools.plot_steady", description=__doc__)
+    parser.add_argument("run", help="folder of the run")
+    parser.add_argument("--out", metavar="FOLDER", help="folder for the pictures (default: the run's)")
+    options = parser.parse_args(arguments)
+    run = RunFolder(options.run)
+    out = Path(options.out or options.run)
+    if not (run.folder / "fields.vtu").is_file() or not (run.folder / "mesh.mesh").is_file():
+        raise BadInput(f"{options.run} holds no fields.vtu and mesh.mesh of a steady flow")
+    out.mkdir(parents=True, exist_ok=True)
+    mesh = read_mesh(run.folder / "mesh.mesh")
+    field_mesh, values = read_field(run.folder / "fields.vtu")
+    field_mesh.edges, field_mesh.labels = mesh.edges, mesh.labels
+    edge_mesh = type(mesh)(field_mesh.points, field_mesh.triangles, mesh.edges, mesh.labels)
+    if len(field_mesh.points) != len(mesh.points):
+        raise BadInput(f"{options.run}: fields.vtu and mesh.mesh do not belong together")
+    speed = np.hypot(*values["velocity"][:, :2].T)
+    draw_field(edge_mesh, speed, "speed (m/s)", out / "streamlines.png", streams=values["velocity"])
+    made = ["streamlines.png"]
+    for name, label, read in PICTURES:
+        field = read(values)
+        if np.ptp(field) > 0:  # k and nu_t of a laminar flow are 0
+            draw_field(edge_mesh, field, label, out / f"{name}.png")
+            made.append(f"{name}.png")
+    draw_walls(run, out / "walls.png")
+    print(f"{out}: " + ", ".join([*made, "walls.png"]))
+    return 0
+
+
+if __name__ == "__main__":
+    guarded(main)

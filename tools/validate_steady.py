@@ -1,0 +1,86 @@
+"""Steady flows against exact, measured and published figures: target, measured, pass, CPU time.
+
+    python -m tools.validate_steady [--only WORD] [--out FOLDER]
+
+Writes validation.csv into FOLDER (default results/validate_steady) and prints the table.
+Exit status 1 when a target is missed, 3 for bad input.
+"""
+from pathlib import Path
+
+from tools.command import BadInput, Parser, guarded
+from tools.runner import commit, machine, run_case
+from tools.tables import write_table
+
+CHANNEL, STEP, LOSS, PIPE = (f"cases/{name}.edp" for name in ("turbulent_channel", "turbulent_step", "diaphragm_loss", "pipe_flow"))
+COLUMNS = ["name", "quantity", "source", "low", "high", "measured", "pass", "cpu_s"]
+
+# name, script, options, [(quantity of results.csv, source, low, high)]
+RUNS = [
+    ("poiseuille", CHANNEL, {"-model": "laminar", "-retau": 20, "-cells": 8}, [("velocity_error", "exact", 0, 1e-9)]),
+    ("hagen_poiseuille", CHANNEL, {"-model": "laminar", "-retau": 20, "-cells": 8, "-axisymmetric": 1}, [("velocity_error", "exact", 0, 1e-9)]),
+    *[(f"channel_retau_{re}_cells_{n}", CHANNEL, {"-retau": re, "-cells": n},
+       [("friction_error", "Dean 1978", -0.05, 0.05), ("log_law_worst", "logarithmic law", 0, 0.05)])
+      for re in (2000, 5000) for n in (20, 40, 80)],
+    *[(f"pipe_retau_{re}", CHANNEL, {"-retau": re, "-cells": 40, "-axisymmetric": 1}, [("friction_error", "Prandtl's law for smooth pipes", -0.05, 0.05)])
+      for re in (1000, 5000, 20000)],
+    *[(f"step_kim_1980_size_{size}", STEP, {"-size": size},
+       [("reattachment_over_height", "standard k-epsilon, published: 5 to 6.25 (measured: 7 +- 1)", 5, 6.25)]) for size in (0.125, 0.0625)],
+    ("step_kim_1980_long_inlet", STEP, {"-size": 0.125, "-inlet": 80},
+     [("reattachment_over_height", "standard k-epsilon, published: 5 to 6.25 (measured: 7 +- 1)", 5, 6.25)]),
+    ("step_driver_seegmiller_1985", STEP, {"-size": 0.125, "-ratio": 1.125, "-reynolds": 37500},
+     [("reattachment_over_height", "standard k-epsilon, published: 4.9 to 6 (measured: 6.26)", 4.9, 6)]),
+    *[(f"diaphragm_{opening}_cells_{n}", LOSS, {"-opening": opening, "-cells": n},
+       [("contraction", "von Mises 1917, within 5 %", 0.95 * contraction, 1.05 * contraction), ("loss_over_borda_carnot", "Borda and Carnot, within 10 %", 0.9, 1.1)])
+      for opening, contraction, n in ((0.2, 0.616, 16), (0.5, 0.644, 10), (0.5, 0.644, 16))],
+    ("pipe_of_the_paper_laminar", PIPE, {"-model": "laminar", "-reynolds": 100},
+     [("residual", "asked for", 0, 1e-6), ("factorisations", "asked for", 0, 10), ("flux_defect", "conservation", -1e-6, 1e-6)]),
+    ("pipe_of_the_paper", PIPE, {},
+     [("residual", "asked for", 0, 1e-6), ("cpu_time", "asked for", 0, 180), ("flux_defect", "conservation", -1e-3, 1e-3)]),
+]
+
+
+def read_results(folder):
+    """results.csv of a run as {quantity: value}."""
+    lines = (Path(folder) / "results.csv").read_text(encoding="utf-8").splitlines()[1:]
+    return {name: float(value) for name, value, _ in (line.split(",", 2) for line in lines)}
+
+
+def judge(run, folder):
+    """Rows of one run."""
+    name, script, options, targets = run
+    done = run_case(script, options, out=folder / name)
+    if not done.ok:
+        return [[name, quantity, source, low, high, "nan", "no", done.cpu_s] for quantity, source, low, high in targets], done.reason
+    found = read_results(folder / name)
+    return [[name, quantity, source, low, high, found[quantity], "yes" if low <= found[quantity] <= high else "no", done.cpu_s]
+            for quantity, source, low, high in targets], ""
+
+
+def main():
+    """The command line."""
+    parser = Parser(prog="python -m tools.validate_steady", description=__doc__)
+    parser.add_argument("--only", metavar="WORD", default="", help="runs whose name holds this word")
+    parser.add_argument("--out", metavar="FOLDER", default="results/validate_steady", help="folder (default %(default)s)")
+    options = parser.parse_args()
+    chosen = [run for run in RUNS if options.only in run[0]]
+    if not chosen:
+        raise BadInput(f"no run has '{options.only}' in its name: " + ", ".join(run[0] for run in RUNS))
+    out = Path(options.out)
+    out.mkdir(parents=True, exist_ok=True)
+    print(f"commit {commit()}, {machine()}")
+    table = []
+    for run in chosen:
+        rows, reason = judge(run, out)
+        for row in rows:
+            print(f"{row[0]:34s} {row[1]:26s} [{row[3]:.4g}, {row[4]:.4g}] measured {float(row[5]):.6g}  pass {row[6]}  {row[7]:.1f} s  {row[2]}", flush=True)
+        if reason:
+            print(f"    {reason}", flush=True)
+        table += rows
+    write_table(out / "validation.csv", COLUMNS, [[str(c).replace(",", ";") for c in row] for row in table])
+    missed = sum(row[6] == "no" for row in table)
+    print(f"{len(table) - missed} of {len(table)} targets met; {out}/validation.csv")
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    guarded(main)
