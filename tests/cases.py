@@ -14,6 +14,7 @@ CASES = {
     "taylor_green": ["-tend", "0.02"],
     "pipe_obstacles": ["-tend", "0.01"],
     "pipe_jet": ["-tend", "0.01"],
+    "pipe_transport": ["-tend", "0.02", "-model", "laminar", "-reynolds", "50"],
     "settling_disk": ["-tend", "0.01"],
     "drafting_kissing_tumbling": ["-tend", "0.002"],
     "cylinder_between_plates": ["-tend", "0.01"],
