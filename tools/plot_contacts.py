@@ -89,6 +89,8 @@ def draw(axes, run, frame, speed=None, size=None):
     disks = EllipseCollection(width, width, np.zeros(len(width)), units="xy", offsets=np.column_stack([frame["x"], frame["y"]]),
                               transOffset=axes.transData, edgecolor=BODY_EDGE, linewidth=thin, facecolor=BODY, zorder=3)
     if speed is not None:
+        if len(width) >= 1000:
+            disks.set_edgecolor("none")
         disks.set(cmap=FIELD_MAP, norm=speed, array=np.clip(frame["speed"], speed.vmin, speed.vmax), facecolor=None)
     axes.add_collection(disks)
     axes.set_xlim(run.view[:2])
@@ -121,7 +123,7 @@ def plot_frames(run, path, times=None):
         draw(left, run, frame)
         disks = draw(right, run, frame, norm)
         moving = frame["speed"] > run.speeds[0]
-        if moving.any():
+        if moving.any() and len(moving) < 1000:
             # Arrows of one length show where a disk goes; its colour says how fast.
             direction = np.column_stack([frame["u"], frame["v"]])[moving] / frame["speed"][moving, None]
             reach = 1.6 * frame["radius"][moving]
