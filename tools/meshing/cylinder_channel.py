@@ -2,7 +2,8 @@
 
 The circle is a regular polygon of the circle's own area: its radius is
 r sqrt(2 pi / (n sin(2 pi/n))). The error of the forces falls by an order of magnitude
-against the inscribed polygon.
+against the inscribed polygon. Lift and frequency of the vortices depend on the elements
+within a diameter of the cylinder more than on the polygon: --growth first.
 """
 from math import cos, pi, sin, sqrt
 
@@ -12,15 +13,15 @@ from tools.meshing.unstructured import SizeNear, triangulated
 
 
 def add_options(parser):
-    parser.add_argument("--size", type=positive, default=0.04, metavar="M", help="largest element size (default %(default)g)")
+    parser.add_argument("--size", type=positive, default=0.12, metavar="M", help="largest element size (default %(default)g)")
     add_length(parser, "--length", 2.2, "M", "length of the channel")
     add_length(parser, "--height", 0.41, "M", "height of the channel")
     add_length(parser, "--radius", 0.05, "M", "radius of the cylinder")
     parser.add_argument("--centre", type=number, nargs=2, default=[0.2, 0.2], metavar=("X", "Y"), help="its centre (default 0.2 0.2)")
-    parser.add_argument("--circle-points", type=whole(8), default=64, metavar="N", help="sides of the polygon (default %(default)d)")
-    add_length(parser, "--growth", 0.25, "G", "growth of the size per distance from the cylinder and the wake")
-    add_length(parser, "--wake-factor", 2.0, "F", "size at the start of the wake, as a multiple of a side of the polygon")
-    add_length(parser, "--wake-growth", 0.015, "G", "growth of the size per distance along the wake")
+    parser.add_argument("--circle-points", type=whole(8), default=32, metavar="N", help="sides of the polygon (default %(default)d)")
+    add_length(parser, "--growth", 0.1, "G", "growth of the size per distance from the cylinder and the wake")
+    add_length(parser, "--wake-factor", 1.3, "F", "size at the start of the wake, as a multiple of a side of the polygon")
+    add_length(parser, "--wake-growth", 0.06, "G", "growth of the size per distance along the wake")
 
 
 def build(options):

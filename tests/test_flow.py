@@ -1,0 +1,248 @@
+"""The flow without particles: exact solutions, the convection operator, forces, energy, refusals."""
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from conftest import ROOT, run_freefem
+from tools.tables import read_table
+
+
+def mesh(folder, case, *words):
+    """A mesh made by tools.mesh for this test."""
+    file = folder / f"{case}{len(list(folder.iterdir()))}.mesh"
+    done = subprocess.run([sys.executable, "-m", "tools.mesh", case, "--out", str(file), *map(str, words)],
+                          cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return file
+
+
+@pytest.fixture(scope="module")
+def meshes(tmp_path_factory):
+    """A folder for meshes."""
+    return tmp_path_factory.mktemp("meshes")
+
+
+def test_poiseuille_is_exact(meshes, run_folder):
+    coarse = mesh(meshes, "poiseuille", "--size", 0.25)
+    run_freefem("cases/poiseuille.edp", "-mesh", coarse, "-dt", 0.05, "-out", run_folder)
+    off = read_table(run_folder / "errors.csv")
+    assert max(off["velocity_x"][-1], off["velocity_y"][-1], off["pressure"][-1]) < 1e-9
+
+
+def taylor_green(folder, file, **options):
+    """(velocity error, pressure error) at the end of a run."""
+    words = [w for name, value in options.items() for w in (f"-{name}", value)]
+    run_freefem("cases/taylor_green.edp", "-mesh", file, "-out", folder, *words)
+    off = read_table(folder / "errors.csv")
+    return np.array([off["velocity"][-1], off["pressure"][-1]])
+
+
+def test_third_order_of_the_velocity_in_space(meshes, tmp_path):
+    coarse, fine = (mesh(meshes, "taylor_green", "--size", size) for size in (1 / 10, 1 / 20))
+    first = taylor_green(tmp_path / "a", coarse, dt=0.001, tend=0.02)
+    second = taylor_green(tmp_path / "b", fine, dt=0.001, tend=0.02)
+    assert np.log2(first / second)[0] > 2.8
+
+
+def test_second_order_in_time(meshes, tmp_path):
+    fine = mesh(meshes, "taylor_green", "--size", 1 / 20)
+    errors = [taylor_green(tmp_path / f"r{k}", fine, dt=dt, tend=0.4) for k, dt in enumerate((0.04, 0.02))]
+    velocity, pressure = np.log2(errors[0] / errors[1])
+    assert velocity > 1.8 and pressure > 1.4
+
+
+# The same form by FreeFEM's assembly, on an unstructured mesh with an outlet through which the
+# advecting velocity goes both ways.
+OPERATOR = """
+include "lib/options.idp"
+optCase("operator", "test");
+optEnd();
+include "lib/labels.idp"
+mesh Th = square(5, 4, [x + 0.1*y*y, y*(1 + 0.2*x)]);
+int[int] relabel = [1, labelWall, 2, labelOutlet, 3, labelWall, 4, labelInlet];
+Th = change(Th, label = relabel);
+Th = adaptmesh(Th, 0.2 + 0.1*x, IsMetric = 1, nbvx = 2000);
+int[int] flowNoSlip = [labelWall], flowMoving = [labelInlet], flowOutlet = [labelOutlet], flowSlip(0);
+real rhoFluid = 1, mu = 1;
+include "lib/convection.idp"
+matrix A = flowM;
+convSetUp(A);
+Wh a = sin(3*x) - y + 0.2, b = x*y - 0.5*cos(5*y);
+a = a + LIFT;
+int[int] I(1), J(1);
+real[int] C(1);
+[I, J, C] = A;
+C = 0;
+convBase(C);
+convFill(a[], b[], 1.7, C);
+A.coef = C;
+varf form(u, w) = int2d(Th, qforder = 9)(1.7*0.5*((a*dx(u) + b*dy(u))*w - (a*dx(w) + b*dy(w))*u))
+    + int1d(Th, labelOutlet, qforder = 9)(1.7*0.5*max(a*N.x + b*N.y, 0.)*u*w);
+matrix B = form(Wh, Wh);
+real worst = 0, most = 0;
+for (int k = 0; k < 5; ++k) {
+    Wh u = cos(k*x + 2*y) + k*x*x;
+    real[int] first = A*u[], second = B*u[];
+    most = max(most, second.linfty);
+    first -= second;
+    worst = max(worst, first.linfty);
+}
+cout << "RESULT " << worst/most << " " << int1d(Th, labelOutlet)(max(a*N.x + b*N.y, 0.)) << " " << int1d(Th, labelOutlet)(max(-a*N.x - b*N.y, 0.)) << endl;
+"""
+
+
+@pytest.mark.parametrize("lift, off_most", [(3, 1e-11), (0, 1e-2)])
+def test_convection_operator_is_that_of_the_assembly(lift, off_most, freefem_text):
+    """Exactly where the outlet only lets out; where the flow turns on an edge, to the quadrature."""
+    text = freefem_text(OPERATOR.replace("LIFT", str(lift))).stdout
+    off, leaving, entering = map(float, next(line for line in text.splitlines() if line.startswith("RESULT")).split()[1:])
+    assert off < off_most
+    assert leaving > 0 and (entering > 0) == (lift == 0)
+
+
+@pytest.fixture(scope="module")
+def cylinder(meshes, tmp_path_factory):
+    """A short run past a cylinder on a coarse mesh."""
+    coarse = mesh(meshes, "cylinder_channel", "--circle-points", 24)
+    folder = tmp_path_factory.mktemp("cylinder") / "run"
+    run_freefem("cases/cylinder_channel.edp", "-mesh", coarse, "-tend", 0.5, "-dt", 0.005, "-every", 0, "-budget", 1, "-out", folder)
+    return folder
+
+
+def test_cylinder_drag_flux_and_divergence(cylinder):
+    force, fluid = read_table(cylinder / "forces.csv"), read_table(cylinder / "fluid.csv")
+    assert 20 * force["force_x"][-1] == pytest.approx(2.98, rel=0.05)  # before the vortices are shed
+    assert abs(20 * force["force_y"][-1]) < 0.1
+    assert fluid["flux_out"][-1] == pytest.approx(fluid["flux_in"][-1], rel=1e-2)  # of the predicted velocity
+    assert fluid["flux_in"][-1] == pytest.approx(1.0 * 0.41, rel=1e-9)
+    assert fluid["top_speed"][fluid["t"] > 0.1].max() < 3  # the start at once pushes
+
+
+def test_energy_budget_closes(cylinder):
+    budget = read_table(cylinder / "budget.csv")
+    begin = np.searchsorted(budget["t"], 0.1)  # after the start at once
+    last = {name: values[-1] - values[begin] for name, values in budget.items()}
+    assert abs(last["rest"]) < 1e-3 * last["supplied"]
+    assert last["dissipated"] > 0 and last["left"] > 0
+    assert abs(last["damped"]) + abs(last["split"]) < 0.1 * last["supplied"]
+
+
+def test_a_flow_without_particles_spends_no_time_on_them(cylinder):
+    names = read_table(cylinder / "fluid.csv")
+    assert not [name for name in names if "rigid" in name or "contact" in name or name == "particles"]
+    script = (ROOT / "scripts/flow.edp").read_text()
+    for name in ("rigidSetUp", "rigidFind", "contact", "motion", "inject"):
+        assert name not in script
+    count = [
+        'include "lib/momentum.idp"' in (ROOT / "lib/pressure.idp").read_text(),
+        "if (N3 > 0)" in (ROOT / "lib/momentum.idp").read_text(),
+    ]
+    assert all(count)
+
+
+def test_restless_fluid_in_a_closed_box_only_loses_energy(freefem_text, run_folder):
+    scene = """
+    include "lib/options.idp"
+    optCase("box", "decay of a rough flow at a high cell Reynolds number");
+    optDefault("-mesh", "MESH");
+    include "lib/labels.idp"
+    real rhoFluid = 1, mu = 1e-6;
+    int[int] flowNoSlip = [labelLeft, labelRight, labelBottom, labelTop], flowMoving(0), flowOutlet(0), flowSlip(0);
+    real flowPeriodX = 0, flowPeriodY = 0;
+    func real boundaryRamp(real t) { return 1; }
+    macro caseStart() {
+        Wh psi = square(sin(pi*x)*sin(pi*y))*(sin(13*x + 5*y) + cos(17*y*x));
+        Wh su = dy(psi), sv = -dx(psi);
+        flowU = su[] .* flowFreeU; flowV = sv[] .* flowFreeV;
+        flowU1 = flowU; flowV1 = flowV;
+    } // EOM
+    include "scripts/flow.edp"
+    """
+    file = mesh(run_folder.parent, "taylor_green", "--size", 1 / 16)
+    freefem_text(scene.replace("MESH", str(file)), "-dt", 0.01, "-tend", 1, "-out", run_folder)
+    energy = read_table(run_folder / "fluid.csv")["kinetic_energy"]
+    assert np.isfinite(energy).all()
+    assert energy[3:].max() <= energy[2] * 1.001 and energy[-1] < energy[2]
+
+
+def value(folder, quantity):
+    """A number of results.csv."""
+    for line in (folder / "results.csv").read_text().splitlines():
+        name, number, _ = line.split(",")
+        if name == quantity:
+            return float(number)
+    raise AssertionError(f"no {quantity} in results.csv")
+
+
+def test_cavity_at_reynolds_number_100(meshes, run_folder):
+    coarse = mesh(meshes, "cavity", "--size", 1 / 24)
+    run_freefem("cases/cavity.edp", "-mesh", coarse, "-reynolds", 100, "-out", run_folder)
+    assert value(run_folder, "u_least") == pytest.approx(-0.2140, rel=0.005)  # spectral solutions
+    assert value(run_folder, "v_most") == pytest.approx(0.1796, rel=0.005)
+    assert value(run_folder, "v_least") == pytest.approx(-0.2538, rel=0.005)
+
+
+def test_steady_cylinder_on_a_coarse_mesh(meshes, run_folder):
+    coarse = mesh(meshes, "cylinder_channel")
+    run_freefem("cases/cylinder_steady.edp", "-mesh", coarse, "-out", run_folder)
+    assert value(run_folder, "drag_coefficient") == pytest.approx(5.57953523, rel=2e-3)
+    assert value(run_folder, "pressure_difference") == pytest.approx(0.11752016697, rel=5e-3)
+    assert value(run_folder, "factorisations") <= 10
+
+
+def test_expansion_is_stable_below_the_critical_reynolds_number(meshes, tmp_path):
+    coarse = mesh(meshes, "sudden_expansion", "--size", 1 / 6, "--outlet-length", 20, "--stretch", 1.1)
+    for reynolds in (30, 55):
+        run_freefem("cases/sudden_expansion.edp", "-mesh", coarse, "-reynolds", reynolds, "-search", 0, "-out", tmp_path / f"r{reynolds}")
+    assert value(tmp_path / "r30", "growth") < 0 < value(tmp_path / "r55", "growth")
+    assert value(tmp_path / "r30", "asymmetry") < 1e-4
+    assert value(tmp_path / "r55", "asymmetry") > 0.05
+
+
+@pytest.mark.parametrize("words, says", [
+    (["-dt", "0"], "must be above 0"),
+    (["-tend", "never"], "needs a number"),
+    (["-stabilise", "-1"], "must not be below 0"),
+    (["-mesh", "nowhere.mesh"], "cannot read the mesh"),
+    (["-mesh", "meshes/cavity.mesh"], "label"),
+    (["-tned", "1"], "-tend"),
+    (["-start", "slowly"], "must be one of"),
+])
+def test_bad_input_is_refused_in_words(words, says, run_folder):
+    run = run_freefem("cases/cylinder_channel.edp", "-out", run_folder, *words, check=False)
+    assert run.returncode == 3, run.stdout + run.stderr
+    assert says in run.stderr
+    assert not (run_folder / "fluid.csv").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("reynolds", [1e3, 1e4, 1e5])
+def test_jet_stays_bounded_at_any_reynolds_number(reynolds, meshes, run_folder):
+    coarse = mesh(meshes, "pipe_obstacles", "--size", 0.014)
+    run_freefem("cases/pipe_jet.edp", "-mesh", coarse, "-reynolds", reynolds, "-tend", 1, "-out", run_folder, timeout=1800)
+    fluid, budget = read_table(run_folder / "fluid.csv"), read_table(run_folder / "budget.csv")
+    assert fluid["top_speed"].max() < 12  # the throat alone gives about 4
+    assert fluid["kinetic_energy"].max() < 4 * fluid["kinetic_energy"][-1]
+    assert abs(budget["rest"][-1]) < 1e-3 * budget["supplied"][-1]
+
+
+@pytest.mark.slow
+def test_particles_cross_the_jet_at_a_high_reynolds_number(meshes, run_folder):
+    coarse = mesh(meshes, "pipe_obstacles", "--size", 0.014)
+    run_freefem("cases/pipe_obstacles.edp", "-mesh", coarse, "-reynolds", 10000, "-number", 3, "-first", 0.1, "-tend", 0.8,
+                "-out", run_folder, timeout=1800)
+    fluid, disks = read_table(run_folder / "fluid.csv"), read_table(run_folder / "particles.csv")
+    assert fluid["top_speed"].max() < 12
+    assert np.hypot(disks["u"], disks["v"]).max() < 12 and disks["x"].max() > 0.35
+
+
+@pytest.mark.slow
+def test_vortices_behind_the_cylinder(meshes, run_folder):
+    coarse = mesh(meshes, "cylinder_channel")
+    run_freefem("cases/cylinder_channel.edp", "-mesh", coarse, "-out", run_folder, timeout=1800)
+    force = read_table(run_folder / "forces.csv")
+    late = force["t"] > 5
+    assert 20 * force["force_x"][late].max() == pytest.approx(3.2274, rel=0.005)
+    assert 20 * np.ptp(force["force_y"][late]) == pytest.approx(2.00787, rel=0.005)
