@@ -65,8 +65,8 @@ def test_nothing_tunnels_through_a_thin_wall(run_scene):
 
 
 def ramp_error(run_scene, dt, form):
-    """A ball slides from rest down a smooth ramp of 45 degrees, flies off and is looked at
-    0.2 s after the edge: distance from the exact place."""
+    """A ball slides from rest down a smooth ramp of 45 degrees and flies off: greatest
+    distance from the exact path within 0.8 s."""
     g, r, length = 9.81, 0.05, 0.5
     walls = f"contactWallSegment({-length * np.sqrt(0.5)}, {length * np.sqrt(0.5)}, 0, 0);"
     s = np.sqrt(0.5)
@@ -87,7 +87,9 @@ def test_a_ball_off_a_ramp_converges_with_the_time_step(run_scene):
     linear = [ramp_error(run_scene, dt, "linear") for dt in (0.02, 0.01, 0.005)]
     assert 1.7 < linear[0] / linear[1] < 2.3 and 1.7 < linear[1] / linear[2] < 2.3  # first order
     ballistic = [ramp_error(run_scene, dt, "ballistic") for dt in (0.02, 0.01, 0.005)]
-    assert all(b < 0.3 * a for a, b in zip(linear, ballistic))
+    # The slide itself is exact; what is left is made in the step across the edge.
+    assert all(b < a for a, b in zip(linear, ballistic)), (linear, ballistic)
+    assert ballistic[2] < 0.6 * ballistic[0], (linear, ballistic)
 
 
 def test_a_moving_wall_pushes_and_a_moving_disk_too(run_scene):
