@@ -183,7 +183,7 @@ def picture(found, folder):
     tolerances = sorted({row["tolerance"] for row in found}, reverse=True)
     kind = found[0]["kind"]
     names = {"newton": "default (Newton finish)", "accelerated": "accelerated", "uzawa": "plain Uzawa"}
-    figure, panels = plt.subplots(1, len(tolerances), figsize=(PAGE_WIDTH, 3.6), sharey=True, squeeze=False, layout="constrained")
+    figure, panels = plt.subplots(1, len(tolerances), figsize=(PAGE_WIDTH, 4.2), sharey=True, squeeze=False, layout="constrained")
     for axes, tol in zip(panels[0], tolerances):
         for k, solver in enumerate(dict.fromkeys(row["solver"] for row in found)):
             points = [(row["disks"], row["cpu_s"]) for row in found if row["solver"] == solver and row["tolerance"] == tol
@@ -192,9 +192,13 @@ def picture(found, folder):
                 style = curve(k) if k < 6 else {"color": "#56b4e9", "linestyle": (0, (3, 3))}
                 axes.loglog(*zip(*points), marker=(MARKERS + "X")[k % 7], markersize=4, label=names.get(solver, solver), **style)
         axes.set(xlabel="disks", title=f"residual {tol:.0e} of a mean radius")
+        numbers = sorted({row["disks"] for row in found})
+        axes.set_xticks(numbers, [f"{n:,}" for n in numbers])
+        axes.minorticks_off()
         axes.grid(True)
     panels[0][0].set_ylabel("CPU time on one core (s)")
-    panels[0][0].legend(loc="upper left")
+    handles, labels = panels[0][0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4)
     return save(figure, folder / "bench_contacts.png")
 
 
