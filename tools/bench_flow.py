@@ -1,0 +1,158 @@
+"""Error against CPU time of flow benchmarks: this suite, NGSolve and scikit-fem side by side.
+
+    python -m tools.bench_flow --out results/bench_flow
+    python -m tools.bench_flow --problems 2d1 cavity --levels 2 --install
+
+Problems: 2d1 and 2d2 (cylinder in a channel; error of the drag, and the largest error of drag,
+lift range and Strouhal number), cavity (Reynolds number 1000; largest error of the extrema on
+the centrelines). Each program runs each of three resolutions, one program after the other,
+level by level, on one core and one thread. CPU time is that of the whole process, user and
+system; cpu_own_s leaves out the imports of the Python packages (for FreeFEM: the same as cpu_s).
+The figure shows cpu_own_s. NGSolve and scikit-fem are not needed elsewhere: --install puts them
+into the environment in use. A program that is not there or fails is a row with its reason.
+
+Writes bench_flow.csv and bench_flow.png. Status 0: all ran; 1: something did not.
+"""
+import csv
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from tools.command import ROOT, BadInput, Parser, guarded
+from tools.plotting import MARKERS, PAGE_WIDTH, curve, plt, save
+from tools.runner import commit, freefem, machine, run_case, run_command
+from tools.run_folder import RunFolder
+from tools.tables import write_table
+
+PEERS = {"NGSolve": ("with_ngsolve", "ngsolve==6.2.2608"), "scikit-fem": ("with_skfem", "scikit-fem==12.0.2")}
+OURS = "this suite"
+PROBLEMS = {"2d1": (OURS, "NGSolve", "scikit-fem"), "2d2": (OURS, "NGSolve"), "cavity": (OURS, "NGSolve", "scikit-fem")}
+TITLES = {"2d1": "DFG 2D-1, drag", "2d2": "DFG 2D-2, worst of drag, lift, frequency", "cavity": "cavity, Re 1000, extrema"}
+REFERENCE = {
+    "2d1": {"drag": 5.57953523384},
+    "2d2": {"drag_most": 3.227393, "lift_range": 2.007871, "strouhal": 0.301841},
+    "cavity": {"u_least": -0.3885698, "v_most": 0.3769447, "v_least": -0.5270771},
+}
+# Of this suite: words for tools.mesh, options of the case.
+LEVELS = {
+    "2d1": [(["cylinder_steady", "--size", "0.12", "--circle-points", "24", "--growth", "0.2"], {}),
+            (["cylinder_steady", "--size", "0.1", "--circle-points", "40", "--growth", "0.15"], {}),
+            (["cylinder_steady"], {})],
+    "2d2": [(["cylinder_channel", "--circle-points", "24"], {"-dt": 0.004}),
+            (["cylinder_channel"], {}),
+            (["cylinder_channel", "--size", "0.08", "--circle-points", "48", "--growth", "0.07", "--wake-growth", "0.03"],
+             {"-dt": 0.0015, "-tolerance": 1e-5})],
+    "cavity": [(["cavity", "--size", "0.0417"], {}), (["cavity", "--size", "0.0278"], {}), (["cavity", "--size", "0.0179"], {})],
+}
+CASES = {"2d1": "cylinder_steady", "2d2": "cylinder_channel", "cavity": "cavity"}
+
+
+def error(problem, found):
+    """Largest relative error of the numbers that are judged."""
+    return max(abs(found[name] / target - 1) for name, target in REFERENCE[problem].items())
+
+
+def results(folder):
+    """results.csv as {quantity: value}."""
+    with open(folder / "results.csv", newline="") as stream:
+        return {row["quantity"]: float(row["value"]) for row in csv.DictReader(stream)}
+
+
+def ours(problem, level, out, limit):
+    """(unknowns, numbers, cpu_s, cpu_own_s, reason) of a run of this suite."""
+    from tools.peers.common import vortices
+    words, options = LEVELS[problem][level]
+    mesh = out / "meshes" / f"{problem}_{level}.mesh"
+    mesh.parent.mkdir(parents=True, exist_ok=True)
+    subprocess.run([sys.executable, "-m", "tools.mesh", *words, "--out", str(mesh)], cwd=ROOT, check=True, capture_output=True)
+    folder = out / "runs" / f"{problem}_{level}"
+    done = run_case(f"cases/{CASES[problem]}.edp", {"-mesh": str(mesh), **options}, out=folder, limit=limit)
+    if not done.ok:
+        return 0, {}, done.cpu_s, done.cpu_s, done.reason
+    if problem == "2d2":
+        run = RunFolder(folder)
+        force = run.table("forces")
+        found = vortices(force["t"], 20 * force["force_x"], 20 * force["force_y"], 4.5)
+        vertices, triangles, _ = (run.mesh.points.shape[0], run.mesh.triangles.shape[0], 0)
+        unknowns = 2 * (2 * vertices + triangles) + vertices  # edges: vertices + triangles in a domain with one hole
+    else:
+        found = results(folder)
+        found["drag"] = found.get("drag_coefficient", float("nan"))
+        unknowns = found["unknowns"]
+    return unknowns, found, done.cpu_s, done.cpu_s, ""
+
+
+def peer(program, problem, level, limit):
+    """The same of another package."""
+    done = run_command([sys.executable, "-m", f"tools.peers.{PEERS[program][0]}", problem, str(level)], limit)
+    lines = [line for line in done.log.splitlines() if line.startswith("{")]
+    if not done.ok or not lines:
+        return 0, {}, done.cpu_s, done.cpu_s, done.reason or "no result"
+    found = json.loads(lines[-1])
+    return found["unknowns"], found, done.cpu_s, found["cpu_s"], ""
+
+
+def draw(rows, problems, path):
+    """Error against CPU time, one panel a problem."""
+    figure, panels = plt.subplots(1, len(problems), figsize=(PAGE_WIDTH, 2.9), layout="constrained", squeeze=False)
+    for axes, problem in zip(panels[0], problems):
+        for k, program in enumerate((OURS, *PEERS)):
+            mine = [row for row in rows if row[0] == problem and row[1] == program and not row[-1]]
+            if mine:
+                axes.loglog([row[5] for row in mine], [row[6] for row in mine], marker=MARKERS[k], markersize=4, **curve(k), label=program)
+        axes.set_title(TITLES[problem])
+        axes.set_xlabel("CPU time (s)")
+        axes.grid(True)
+    panels[0][0].set_ylabel("relative error")
+    panels[0][0].legend(loc="best")
+    return save(figure, path)
+
+
+def parser():
+    """The options."""
+    options = Parser(prog="python -m tools.bench_flow", description=__doc__)
+    options.add_argument("--out", default=str(ROOT / "results" / "bench_flow"), metavar="DIR", help="where tables and figure go")
+    options.add_argument("--problems", nargs="+", choices=list(PROBLEMS), default=list(PROBLEMS), help="default: all")
+    options.add_argument("--levels", type=int, choices=(1, 2, 3), default=3, help="resolutions (default 3)")
+    options.add_argument("--limit", type=float, default=3600.0, metavar="S", help="most seconds of one run")
+    options.add_argument("--install", action="store_true", help="install the other packages with pip first")
+    return options
+
+
+def main(words=None):
+    """0 if everything ran."""
+    given = parser().parse_args(words)
+    freefem()
+    if given.install:
+        done = subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", *(name for _, name in PEERS.values())])
+        if done.returncode:
+            raise BadInput("pip could not install " + " and ".join(name for _, name in PEERS.values()))
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})  # inherited by all runs
+    out = Path(given.out).resolve()
+    out.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(out / "runs", ignore_errors=True)
+    rows = []
+    for problem in given.problems:
+        for level in range(given.levels):
+            for program in PROBLEMS[problem]:
+                run = ours(problem, level, out, given.limit) if program == OURS else peer(program, problem, level, given.limit)
+                unknowns, found, cpu, own, reason = run
+                off = error(problem, found) if found else float("nan")
+                rows.append([problem, program, level, int(unknowns), cpu, own, off, *[found.get(n, float("nan")) for n in list(REFERENCE[problem])[:3]],
+                             *[float("nan")] * (3 - len(REFERENCE[problem])), reason])
+                print(f"{problem} level {level}, {program}: " + (reason or f"{int(unknowns)} unknowns, {own:.2f} s, error {off:.2e}"), flush=True)
+                head = ["problem", "program", "level", "unknowns", "cpu_s", "cpu_own_s", "error", "first", "second", "third", "reason"]
+                write_table(out / "bench_flow.csv", head, rows)
+    text = (out / "bench_flow.csv").read_text()
+    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else float("nan")
+    (out / "bench_flow.csv").write_text(f"# {machine()}; commit {commit()}; load average at the end {load:.1f}\n" + text)
+    print(f"figure: {draw(rows, given.problems, out / 'bench_flow.png')}")
+    return 0 if not any(row[-1] for row in rows) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(guarded(main))

@@ -1,0 +1,62 @@
+"""What the scripts of this folder share: the clock, the grading of the cavity, the report."""
+import json
+import os
+import sys
+import time
+
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NGS_NUM_THREADS"):
+    os.environ.setdefault(name, "1")
+
+HEIGHT, LENGTH, CENTRE, RADIUS, NU = 0.41, 2.2, (0.2, 0.2), 0.05, 1e-3
+
+
+def asked(problems):
+    """(problem, level) of the command line."""
+    if len(sys.argv) != 3 or sys.argv[1] not in problems or not sys.argv[2].isdigit():
+        sys.exit(f"usage: {sys.argv[0]} {'|'.join(problems)} LEVEL (0, 1, 2)")
+    return sys.argv[1], int(sys.argv[2])
+
+
+def report(begin, unknowns, **numbers):
+    """The line for tools.bench_flow; begin: time.process_time() after the imports."""
+    print(json.dumps({"unknowns": int(unknowns), "cpu_s": time.process_time() - begin, **{k: float(v) for k, v in numbers.items()}}))
+
+
+def parabola(y, top):
+    """Velocity at the inlet of the channel."""
+    return 4 * top * y * (HEIGHT - y) / HEIGHT**2
+
+
+def towards_walls(s, ratio=4.0, samples=2000):
+    """s in [0, 1] mapped so that cells in the middle are `ratio` times those at the ends."""
+    import numpy as np
+    grid = (np.arange(samples) + 0.5) / samples
+    width = ratio ** -abs(2 * grid - 1)
+    return np.interp(s, np.linspace(0, 1, samples + 1), np.concatenate([[0], np.cumsum(width)]) / width.sum())
+
+
+def extrema(u, v, points=1000):
+    """u_least, v_most, v_least of samples u(y), v(x) on the centrelines of the cavity."""
+    import numpy as np
+
+    def top(f):
+        k = int(np.clip(np.argmax(f), 1, len(f) - 2))
+        a, b, c = f[k - 1:k + 2]
+        return b - (a - c) ** 2 / (8 * (a - 2 * b + c))
+    return {"u_least": -top(-np.asarray(u)), "v_most": top(np.asarray(v)), "v_least": -top(-np.asarray(v))}
+
+
+def vortices(t, drag, lift, since):
+    """Numbers of DFG 2D-2 after the time `since`."""
+    import numpy as np
+    late = t > since
+    t, drag, lift = t[late], drag[late], lift[late]
+
+    def top(f):
+        k = int(np.clip(np.argmax(f), 1, len(f) - 2))
+        a, b, c = f[k - 1:k + 2]
+        return b - (a - c) ** 2 / (8 * (a - 2 * b + c))
+    middle = 0.5 * (lift.max() + lift.min())
+    k = np.flatnonzero((lift[:-1] < middle) & (lift[1:] >= middle))
+    rises = t[k] + (middle - lift[k]) * (t[k + 1] - t[k]) / (lift[k + 1] - lift[k])
+    return {"drag_most": top(drag), "drag_least": -top(-drag), "lift_range": top(lift) + top(-lift), "strouhal": 0.1 / np.diff(rises).mean()}
