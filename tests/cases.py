@@ -9,6 +9,7 @@ CASES = {
     "cylinder_channel": ["-tend", "0.01"],
     "cylinder_steady": [],
     "sudden_expansion": ["-search", "0"],
+    "hourglass": ["-tend", "0.02", "-number", "150", "-radius", "0.02", "-neck", "0.16"],
     "falling_particles": ["-tend", "0.1"],
     "poiseuille": ["-tend", "0.1"],
     "taylor_green": ["-tend", "0.02"],
