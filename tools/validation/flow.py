@@ -41,7 +41,12 @@ def coefficients(run):
     return force["t"], 20 * force["force_x"], 20 * force["force_y"]
 
 
-def vortices(run, since=4.0):
+def fine_mesh(context):
+    """The channel with a cylinder that gives 2D-2 within 0.1 %."""
+    return context.mesh("cylinder_channel", 0.08, "--circle-points", "64", "--growth", "0.06", "--wake-growth", "0.02")
+
+
+def vortices(run, since=5.0):
     """The four numbers of 2D-2 after the time `since` (s), in the order of VORTICES."""
     t, drag, lift = (values[run.folder.table("forces")["t"] > since] for values in coefficients(run))
     middle = 0.5 * (lift.max() + lift.min())
@@ -117,20 +122,20 @@ def draw_vortices(runs, path):
     for one, levels, label in ((axes[0], (3.227393, 3.164263), "drag coefficient"), (axes[1], (0.9866, -1.0213), "lift coefficient")):
         for level in levels:
             one.axhline(level, color="black", linewidth=0.7, linestyle=":")
-        one.set_xlim(0, 0.7)
+        one.set_xlim(0, 0.75)
         one.set_xlabel("time after a rise of the lift (s)")
         one.set_ylabel(label)
-    axes[0].set_ylim(3.15, 3.24)
-    axes[1].legend(loc="best")
+    axes[0].set_ylim(3.1, 3.25)
+    axes[1].set_ylim(-1.15, 1.7)
+    axes[1].legend(loc="upper right", ncols=2)
     return save(figure, path)
 
 
 def cylinder_vortices(context):
     """DFG 2D-2 on the default mesh within 0.5 % and 5 s, on a fine one within 0.1 %; stabilised."""
-    fine = context.mesh("cylinder_channel", 0.08, "--circle-points", "64", "--growth", "0.06", "--wake-growth", "0.02")
     runs = {"default mesh": context.run("cases/cylinder_channel.edp", {}, "2d2_default"),
             "default, stabilised": context.run("cases/cylinder_channel.edp", {"-stabilise": 0.05}, "2d2_stabilised"),
-            "fine mesh": context.run("cases/cylinder_channel.edp", {"-dt": 0.001, "-tolerance": 1e-5, "-every": 0.1}, "2d2_fine", mesh=fine)}
+            "fine mesh": context.run("cases/cylinder_channel.edp", {"-dt": 0.001, "-tolerance": 1e-5, "-every": 0.1}, "2d2_fine", mesh=fine_mesh(context))}
     figure = draw_vortices(runs, context.figure_path("2d2"))
     plain = vortices(runs["default mesh"])
     for name, rtol in (("default mesh", 0.005), ("fine mesh", 0.001)):
@@ -145,8 +150,7 @@ def cylinder_vortices(context):
 
 def cylinder_pulse(context):
     """DFG 2D-3: an inflow that rises and falls; maxima of drag and lift and when."""
-    run = context.run("cases/cylinder_channel.edp", {"-start": "sine", "-tend": 8, "-dt": 0.0025, "-tolerance": 1e-5}, "2d3",
-                      mesh=ROOT / "meshes" / "cylinder_steady.mesh")
+    run = context.run("cases/cylinder_channel.edp", {"-start": "sine", "-tend": 8, "-dt": 0.002, "-tolerance": 1e-5}, "2d3", mesh=fine_mesh(context))
     t, drag, lift = coefficients(run)
     figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.8), layout="constrained")
     for one, values, at, label in ((axes[0], drag, (3.93625, 2.950921575), "drag coefficient"), (axes[1], lift, (5.693125, 0.47795), "lift coefficient")):
