@@ -86,7 +86,8 @@ def plot_table(rows, path, seeds):
     axes.set_ylim(0, 105)
     axes.grid(True, axis="y")
     axes.legend(ncols=len(FATES), loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.2, handlelength=1.2)
-    figure.text(0.995, 0.005, f"bars: mean, lines: standard deviation over {seeds} seeds", ha="right", va="bottom", fontsize=7)
+    axes.set_xlabel(f"diameter (bars: mean, lines: standard deviation over {seeds} seeds)")
+    axes.set_axisbelow(True)
     return save(figure, path)
 
 
