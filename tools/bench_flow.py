@@ -21,6 +21,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
 from tools.command import ROOT, BadInput, Parser, guarded
 from tools.plotting import MARKERS, PAGE_WIDTH, curve, plt, save
 from tools.runner import commit, freefem, machine, run_case, run_command
@@ -30,7 +32,7 @@ from tools.tables import write_table
 PEERS = {"NGSolve": ("with_ngsolve", "ngsolve==6.2.2608"), "scikit-fem": ("with_skfem", "scikit-fem==12.0.2")}
 OURS = "this suite"
 PROBLEMS = {"2d1": (OURS, "NGSolve", "scikit-fem"), "2d2": (OURS, "NGSolve"), "cavity": (OURS, "NGSolve", "scikit-fem")}
-TITLES = {"2d1": "DFG 2D-1, drag", "2d2": "DFG 2D-2, worst of drag, lift, frequency", "cavity": "cavity, Re 1000, extrema"}
+TITLES = {"2d1": "DFG 2D-1, drag", "2d2": "DFG 2D-2, worst of three", "cavity": "cavity, Re 1000, extrema"}
 REFERENCE = {
     "2d1": {"drag": 5.57953523384},
     "2d2": {"drag_most": 3.227393, "lift_range": 2.007871, "strouhal": 0.301841},
@@ -106,8 +108,12 @@ def draw(rows, problems, path):
         axes.set_title(TITLES[problem])
         axes.set_xlabel("CPU time (s)")
         axes.grid(True)
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            axis.set_minor_formatter(NullFormatter())
     panels[0][0].set_ylabel("relative error")
-    panels[0][0].legend(loc="best")
+    figure.legend(*panels[0][0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
     return save(figure, path)
 
 
