@@ -138,7 +138,9 @@ def test_polygon_of_the_cylinder_has_the_area_of_the_circle(points):
     assert 2.2 * 0.41 - signed_areas(mesh.points, mesh.triangles).sum() == pytest.approx(np.pi * 0.05**2, rel=1e-9)
     around = sizes_at(mesh, [(0.255, 0.2)])[0]
     wake, far = sizes_at(mesh, [(0.4, 0.2), (1.9, 0.35)])
-    assert around < wake < far
+    assert wake < far
+    if points >= 32:  # with fewer the circle itself is coarser than its wake
+        assert around < wake
 
 
 def test_sudden_expansion_is_symmetric():
