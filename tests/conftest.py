@@ -1,6 +1,7 @@
 """What the tests share: running FreeFEM scripts from the root of the project."""
 import os
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -23,6 +24,15 @@ def run_freefem(script, *args, check=True, timeout=300):
     if check and run.returncode != 0:
         pytest.fail(f"{' '.join(command)}\nended with status {run.returncode}\n{run.stdout[-3000:]}\n{run.stderr[-3000:]}")
     return run
+
+
+@pytest.fixture(scope="module")
+def coarse(tmp_path_factory):
+    """A coarse mesh of the pipe with obstacles (a file)."""
+    mesh = tmp_path_factory.mktemp("mesh") / "coarse.mesh"
+    command = [sys.executable, "-m", "tools.mesh", "pipe_obstacles", "--size", "0.014", "--out", str(mesh)]
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+    return mesh
 
 
 @pytest.fixture

@@ -1,7 +1,5 @@
 """The main case, short: particles in the pipe with obstacles, on a coarse mesh."""
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -16,15 +14,6 @@ RADIUS, LENGTH = 0.1, 1.0
 
 def read(folder, name):
     return np.genfromtxt(folder / name, delimiter=",", names=True)
-
-
-@pytest.fixture(scope="module")
-def coarse(tmp_path_factory):
-    """A coarse mesh of the pipe."""
-    mesh = tmp_path_factory.mktemp("mesh") / "coarse.mesh"
-    command = [sys.executable, "-m", "tools.mesh", "pipe_obstacles", "--size", "0.014", "--out", str(mesh)]
-    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
-    return mesh
 
 
 @pytest.fixture(scope="module")

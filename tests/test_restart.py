@@ -3,7 +3,6 @@ import os
 import random
 import signal
 import subprocess
-import sys
 import time
 
 import numpy as np
@@ -17,11 +16,8 @@ WHOLE = [*SCENE, "-tend", "0.12", "-checkpoint", "20", "-fields", "0.04"]
 
 
 @pytest.fixture(scope="module")
-def mesh(tmp_path_factory):
-    path = tmp_path_factory.mktemp("mesh") / "coarse.mesh"
-    command = [sys.executable, "-m", "tools.mesh", "pipe_obstacles", "--size", "0.014", "--out", str(path)]
-    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
-    return ["-mesh", str(path)]
+def mesh(coarse):
+    return ["-mesh", str(coarse)]
 
 
 @pytest.fixture(scope="module")
