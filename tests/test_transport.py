@@ -44,6 +44,19 @@ def test_contacts_keep_falling_spheres_apart(freefem, run_folder):
     assert min(gaps) > -1e-8 * 0.0005
 
 
+def test_a_pair_that_falls_in_contact_accelerates_as_one_body(freefem, run_folder):
+    """A large sphere presses on a small one below it: their weight moves both, without delay."""
+    freefem(SCRIPT, "-out", run_folder, "-number", 2, "-radius", 0.001, "-radius-last", 0.002, "-spread", 0.003, "-contacts", 1, "-density", 2500,
+            "-drag", "constant", "-lift", 0, "-tend", 0.08, "-dt", 0.001)
+    v = [float(row["v"]) for row in rows(run_folder / "particles.csv")[-2:]]
+    radii = np.array([0.001, 0.002])
+    inside, face = (4 / 3 * np.pi * radii**3).sum(), (np.pi * radii**2).sum()
+    mass, weight, drag = (2500 + 500) * inside, 1500 * 9.81 * inside, 0.5 * 1000 * 0.44 * face
+    final = np.sqrt(weight / drag)
+    assert v[0] == pytest.approx(v[1], abs=1e-9)
+    assert v[0] == pytest.approx(-final * np.tanh(0.08 * drag * final / mass), rel=2e-3)
+
+
 def test_two_runs_with_one_seed_are_the_same_and_another_seed_differs(freefem, tmp_path):
     words = ["-turbulence", "fluctuation", "-sigma", 0.1, "-number", 5, "-tend", 0.05, "-dt", 0.01]
     for name, seed in (("a", 3), ("b", 3), ("c", 4)):
