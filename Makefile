@@ -9,12 +9,13 @@ export FREEFEM
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: help run test validate doctor meshes setup clean
+.PHONY: help run test validate stress doctor meshes setup clean
 
 help:
 	@echo 'make run              50 rigid particles in a pipe with obstacles, with pictures and a film'
 	@echo 'make test             the tests, at most 15 minutes (one file: make test TESTS=tests/test_mesh.py)'
 	@echo 'make validate         slow comparisons with published results and a report (one: CASE=settling_disk)'
+	@echo 'make stress           stability maps and their limits, about an hour (QUICK=1: 5 minutes; MAPS="gap jam"; JOBS=2)'
 	@echo 'make doctor           versions, plug-ins, and a check of each linear solver'
 	@echo 'make meshes           makes the default meshes of meshes/ anew'
 	@echo 'make setup            installs what is missing (the others do this too)'
@@ -33,6 +34,9 @@ test: setup
 
 validate: setup
 	$(PYTHON) -m tools.validate $(CASE)
+
+stress: setup
+	$(PYTHON) -m tools.stress $(if $(QUICK),--quick) $(if $(JOBS),--jobs $(JOBS)) $(MAPS)
 
 doctor: setup
 	$(PYTHON) -m tools.doctor

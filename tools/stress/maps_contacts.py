@@ -1,0 +1,81 @@
+"""Stability maps of contacts alone: stacks, size ratio, disks larger than the neck."""
+import numpy as np
+
+from tools.stress.cells import Axis, Cell, Map
+from tools.stress.classes import Checks
+
+FALL, GLASS = "cases/falling_particles.edp", "cases/hourglass.edp"
+RADIUS, DENSITY, GRAVITY = 0.06, 100.0, 9.81  # m, kg/m2, m/s2
+METHODS = {"Newton finish, dt 0.001 s": ("newton", 0.001), "Newton finish, dt 0.01 s": ("newton", 0.01),
+           "Newton finish, dt 0.05 s": ("newton", 0.05), "accelerated, dt 0.01 s": ("accelerated", 0.01), "plain Uzawa, dt 0.01 s": ("uzawa", 0.01)}
+
+
+def fall_bounds(height, end):
+    """No disk is faster than twice what a fall from the height gives it; times of `end` s."""
+    speed = 2 * np.sqrt(2 * GRAVITY * height)
+    return Checks({"particles.u": speed, "particles.v": speed}, end)
+
+
+def weight_error(run, number, dt, radius=RADIUS):
+    """|impulse of the floor / (dt weight of all disks) - 1| at the end."""
+    table = run.contacts
+    floor = (table["t"] == table["t"].max()) & (table["j"] == -1)
+    weight = number * DENSITY * np.pi * radius**2 * GRAVITY
+    return np.array([abs(table["impulse"][floor].sum() / (dt * weight) - 1)])
+
+
+def stack(number, method):
+    """So many equal disks in a shaft little wider than one of them fall on each other and rest."""
+    solver, dt = METHODS[method]
+    options = {"-number": number, "-width": 0.14, "-rmin": RADIUS, "-rmax": RADIUS, "-gravity": GRAVITY, "-dt": dt, "-tend": 2.5,
+               "-every": 0.1, "-contact-solver": solver}
+    return Cell(FALL, options, fall_bounds(0.03 * number + 0.5, 2.5), lambda run: weight_error(run, number, dt), "own", 1e-3)
+
+
+def balance_error(run):
+    """Largest of: rise of the energy in a step over the peak, error of the momentum over its
+    peak, overlap over the smallest radius."""
+    motion = run.table("motion")
+    kinetic = motion["kinetic_energy"]
+    energy = kinetic + motion["potential_energy"]
+    momentum = np.hypot(motion["momentum_x"], motion["momentum_y"]).max()
+    return np.array([max(np.diff(energy).max(), 0) / kinetic.max(), motion["momentum_error"].max() / momentum])
+
+
+def mixed(ratio, dt):
+    """Fifty disks of sizes between the largest and one so many times smaller fall on a plane."""
+    options = {"-rmin": RADIUS / ratio, "-rmax": RADIUS, "-gravity": GRAVITY, "-dt": dt, "-tend": 1.0, "-every": dt}
+    return Cell(FALL, options, fall_bounds(2.5, 1.0), balance_error, "own", 1e-8)
+
+
+def neck(dt, share):
+    """Sixty equal disks above a neck that is so many of their diameters wide."""
+    options = {"-number": 60, "-radius": 0.02, "-spread": 0, "-neck": 0.04 * share, "-dt": dt, "-tend": 1.0, "-every": dt}
+    # none may pass: the lowest place is that of a disk wedged in the cone
+    checks = fall_bounds(1.5, 1.0)
+    checks.deepest = 1e-4
+    checks.within = {"y": (-0.001, 3.0)}
+    return Cell(GLASS, options, checks, rest_error, "own", 1e-4)
+
+
+def rest_error(run):
+    """Kinetic energy at the end over its peak."""
+    kinetic = run.table("motion")["kinetic_energy"]
+    return np.array([kinetic[-1] / kinetic.max()])
+
+
+MAPS = [
+    Map("stack", "Stacks of disks, contacts alone", Axis("disks in the stack", "", [1, 2, 5, 10, 20, 50, 100, 200], [1, 10, 100]),
+        Axis("projection", "", list(METHODS), ["Newton finish, dt 0.01 s", "plain Uzawa, dt 0.01 s"]), stack,
+        "the floor carries the weight of the stack within 0.1 % at 2.5 s",
+        {"stable": "a longer -tend: not yet at rest", "stopped": "-contact-solver newton, the default", "late": "-contact-solver newton, the default",
+         "overlap": "-contact-solver newton", "blown up": "a smaller -dt"}, (50, "Newton finish, dt 0.01 s")),
+    Map("contact_size_ratio", "Disks of different size, contacts alone", Axis("size ratio", "", [1, 2, 5, 10, 20, 50, 100], [1, 10, 100]),
+        Axis("time step", "s", [0.001, 0.005, 0.02, 0.05], [0.005]), mixed,
+        "energy rises by less than 1e-8 of its peak in a step, momentum is kept to 1e-8",
+        {"stable": "a smaller -contact-tol", "stopped": "a larger -contact-maxit", "late": "a larger -dt", "overlap": "a smaller -contact-overlap"}, (2, 0.02)),
+    Map("neck", "Disks larger than the neck, contacts alone", Axis("time step", "s", [0.001, 0.004, 0.016, 0.05], [0.004]),
+        Axis("neck / diameter", "", [0.25, 0.5, 0.9, 0.99], [0.9]), neck,
+        "at rest: kinetic energy below 1e-4 of its peak after 1 s",
+        {"stable": "a longer -tend: not yet at rest", "overlap": "a smaller -dt", "stopped": "a larger -contact-maxit", "late": "a larger -dt"}, (0.004, 0.99)),
+]
