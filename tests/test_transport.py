@@ -11,7 +11,7 @@ from tools.validation import Context
 SCRIPT = "tests/transport/analytic.edp"
 
 
-@pytest.mark.parametrize("name", ["tracer", "together", "unsteady", "dispersion"])
+@pytest.mark.parametrize("name", ["tracer", "together", "unsteady", "dispersion", "pair"])
 def test_paths(name, tmp_path):
     for row in getattr(validate_transport, name)(Context("transport", tmp_path, 300, lambda line: None)):
         assert row.passed, f"{row.quantity}: {row.measured} (target {row.target}, {row.allowed}) {row.reason}"
@@ -42,19 +42,6 @@ def test_contacts_keep_falling_spheres_apart(freefem, run_folder):
     assert (np.hypot(np.diff(x), np.diff(y)) - r[1:] - r[:-1]).min() > -1e-10
     gaps = [float(row["worst_gap"]) for row in rows(run_folder / "steps.csv") if float(row["worst_gap"]) < 1e29]
     assert min(gaps) > -1e-8 * 0.0005
-
-
-def test_a_pair_that_falls_in_contact_accelerates_as_one_body(freefem, run_folder):
-    """A large sphere presses on a small one below it: their weight moves both, without delay."""
-    freefem(SCRIPT, "-out", run_folder, "-number", 2, "-radius", 0.001, "-radius-last", 0.002, "-spread", 0.003, "-contacts", 1, "-density", 2500,
-            "-drag", "constant", "-lift", 0, "-tend", 0.08, "-dt", 0.001)
-    v = [float(row["v"]) for row in rows(run_folder / "particles.csv")[-2:]]
-    radii = np.array([0.001, 0.002])
-    inside, face = (4 / 3 * np.pi * radii**3).sum(), (np.pi * radii**2).sum()
-    mass, weight, drag = (2500 + 500) * inside, 1500 * 9.81 * inside, 0.5 * 1000 * 0.44 * face
-    final = np.sqrt(weight / drag)
-    assert v[0] == pytest.approx(v[1], abs=1e-9)
-    assert v[0] == pytest.approx(-final * np.tanh(0.08 * drag * final / mass), rel=2e-3)
 
 
 def test_two_runs_with_one_seed_are_the_same_and_another_seed_differs(freefem, tmp_path):

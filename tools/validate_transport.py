@@ -1,6 +1,6 @@
 """Verify the transport of particles against exact solutions, and write the table of it.
 
-    python -m tools.validate_transport             everything (some minutes)
+    python -m tools.validate_transport             everything (some ten minutes)
     python -m tools.validate_transport drag lift   some
     python -m tools.validate_transport --list      what there is
 
@@ -14,8 +14,11 @@ import sys
 import numpy as np
 
 from tools import transport_exact as exact
+from tools import bench_transport, transport_table
 from tools.command import ROOT, guarded
+from tools.run_folder import RunFolder
 from tools.runner import run_command, freefem
+from tools.transport_two_way import TWO_WAY
 
 SCRIPT = "tests/transport/analytic.edp"
 
@@ -210,8 +213,53 @@ def mixed(context):
             yield context.row("the same without the drift, for comparison", "", math.nan, worst, at_least=0.1, cpu_s=run.cpu_s)
 
 
-VALIDATIONS = [drag, terminal, startup, history, history_cost, lift, magnus, tracer, converging, together, unsteady, dispersion, mixed]
-FAST = [drag, terminal, startup, history, lift, magnus, tracer, converging, together, unsteady, dispersion]
+def pair(context):
+    """A pair that falls in contact: one body."""
+    radii = np.array([0.001, 0.002])
+    inside, face = (4 / 3 * np.pi * radii**3).sum(), (np.pi * radii**2).sum()
+    final = math.sqrt(1500 * 9.81 * inside / (0.5 * 1000 * 0.44 * face))
+    target = -final * math.tanh(0.08 * 0.5 * 1000 * 0.44 * face * final / (3000 * inside))
+    run = context.run(SCRIPT, {"-number": 2, "-radius": 0.001, "-radius-last": 0.002, "-spread": 0.003, "-contacts": 1, "-lift": 0, "-tend": 0.08, "-dt": 0.001}, "pair")
+    for k, v in enumerate(last(run)["v"]):
+        yield context.row(f"pair in contact, {'upper' if k else 'lower'} sphere: velocity (m/s)", "one body, closed form", target, v, rtol=1e-3, cpu_s=run.cpu_s)
+
+
+def speed(context):
+    """Cost of a step: 100,000 particles, and its growth."""
+    cost = {}
+    for number in (10000, 100000):
+        flow, forces, _ = bench_transport.measure(number, 20, 0, context.out / "bench")
+        cost[number] = flow + forces
+    yield context.row("one-way, all forces but history, 100,000 particles: steps a second of CPU", "target", bench_transport.TARGET, 1 / cost[100000], at_least=bench_transport.TARGET)
+    yield context.row("the same: exponent of the cost's growth from 10,000 to 100,000 particles", "linear", 1, math.log10(cost[100000] / cost[10000]), at_most=1.15)
+
+
+def application(context):
+    """50 particles through the pipe: time, nobody lost, no overlap; the flow is there or is computed."""
+    context.run("cases/pipe_transport.edp", {"-tend": 0.002}, "flow")
+    for forces in ("paper", "all"):
+        run = context.run("cases/pipe_transport.edp", {"-forces": forces}, f"application_{forces}")
+        steps = run.folder.table("steps")
+        yield context.row(f"50 particles, 5 s, forces {forces}: seconds of CPU after the flow is there", "target", 30, run.cpu_s, at_most=30, cpu_s=run.cpu_s)
+        yield context.row("the same: particles that are neither inside nor left by the outlet", "none", 0,
+                          50 - steps["waiting"][-1] - steps["particles"][-1] - steps["left"][-1], atol=0)
+        yield context.row("the same: worst gap over the smallest radius", "no overlap", 0, steps["worst_gap"].min() / 0.005, at_least=-1e-8)
+    run = context.run("cases/pipe_transport.edp", {"-coupling": "two-way", "-tend": 0.5}, "application_two_way")
+    table = run.folder.table("coupling")
+    worst = max(np.max(np.abs(table[f"source_{a}"] + table[f"force_{a}"])) for a in "xy") / np.max(np.abs(table["force_y"]))
+    yield context.row("two-way in the turbulent pipe: total of the source against the forces, relative", "opposite", 0, worst, at_most=1e-11, cpu_s=run.cpu_s)
+
+
+def seeds(context):
+    """The table by diameter class over 20 seeds: its fates account for everyone."""
+    rows = transport_table.table_of([RunFolder(folder) for folder in transport_table.compute(20, context.out / "seeds", {}, 1)])
+    whole = dict(zip(transport_table.FATES, rows[-1][3::2]))
+    yield context.row("20 seeds: carried through, trapped and behind together, % of the particles", "everyone, but who entered in the last second", 100,
+                      whole["carried through"] + whole["trapped"] + whole["behind"], atol=1)
+    yield context.row("20 seeds: standard deviation of what is carried through, all classes, %", "seeds differ", math.nan, rows[-1][4], at_least=0.1)
+
+
+VALIDATIONS = [drag, terminal, startup, history, history_cost, lift, magnus, tracer, converging, together, unsteady, dispersion, mixed, pair, *TWO_WAY, speed, application, seeds]
 
 
 def main(words=None):
