@@ -68,8 +68,8 @@ def graded(mesh, ratio):
     for axis in (0, 1):
         low, high = points[:, axis].min(), points[:, axis].max()
         places, index = np.unique(np.round((points[:, axis] - low) / (high - low), 9), return_inverse=True)
-        middle = 0.5 * (places[1:] + places[:-1])
-        cells = ratio ** (-np.abs(2 * middle - 1) / np.abs(2 * middle - 1).max()) * np.diff(places)
+        off = np.abs(places[1:] + places[:-1] - 1)  # from the middle of the side
+        cells = ratio ** -((off - off.min()) / np.ptp(off)) * np.diff(places)
         points[:, axis] = low + (high - low) * (np.concatenate([[0.0], np.cumsum(cells)]) / cells.sum())[index]
         points[np.isclose(points[:, axis], high), axis] = high
     return PlaneMesh(points, mesh.triangles, mesh.edges, mesh.edge_labels)

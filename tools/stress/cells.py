@@ -11,11 +11,14 @@ from pathlib import Path
 
 import numpy as np
 
+from tools.command import ROOT
 from tools.mesh import parser
 from tools.meshing import CASES
 from tools.meshing.medit import write
 from tools.stress.awkward import spoiled
 from tools.stress.classes import Checks
+
+MAKERS = [*ROOT.glob("tools/meshing/*.py"), ROOT / "tools/stress/awkward.py"]
 
 
 @dataclass
@@ -51,9 +54,9 @@ class Mesh:
         return re.sub(r"[^A-Za-z0-9_.]+", "-", "_".join(word.strip("-") for word in words)) + ".mesh"
 
     def make(self, folder):
-        """Write it into the folder unless it is there; returns the path."""
+        """Write it into the folder unless it is there and newer than what makes it; returns the path."""
         path = Path(folder) / self.name
-        if not path.is_file():
+        if not path.is_file() or path.stat().st_mtime < max(maker.stat().st_mtime for maker in MAKERS):
             words = [f"{word:.12g}" if isinstance(word, float) else str(word) for word in self.words]
             options = parser().parse_args([*words, "--out", "unused.mesh"])
             _, mesh = CASES[options.case][0].build(options)
