@@ -25,7 +25,7 @@ from tools.runner import commit, freefem
 from tools.stress import maps_contacts, maps_flow, maps_long, maps_particles
 from tools.stress.figure import draw_all, draw_map
 from tools.stress.limits import defaults_inside, failures, write_limits
-from tools.stress.runs import run_map
+from tools.stress.runs import Progress, run_map
 
 MAPS = {one.name: one for module in (maps_flow, maps_particles, maps_contacts, maps_long) for one in module.MAPS}
 
@@ -67,10 +67,9 @@ def main(words=None, say=lambda line: print(line, flush=True)):
         out.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
         raise BadInput(f"cannot make the folder {out}: {problem}") from None
-    total, before, done, begin = sum(sum(map(len, one.pairs(given.quick))) for one in maps), 0, [], time.perf_counter()
+    progress, done = Progress(sum(sum(map(len, one.pairs(given.quick))) for one in maps), say), []
     for one in maps:
-        grid, rows = run_map(one, out, given.quick, given.jobs, given.limit, say, before, total)
-        before += len(rows)
+        grid, rows = run_map(one, out, given.quick, given.jobs, given.limit, say, progress)
         done.append((one, grid, rows))
         say(f"figure: {draw_map(one, grid, rows, out)}")
     head = f"{datetime.date.today()}, commit {commit()}, {sum(len(grid) for _, grid, _ in done)} cells, quick form: {'yes' if given.quick else 'no'}."
@@ -83,7 +82,7 @@ def main(words=None, say=lambda line: print(line, flush=True)):
     outside = [f"{name}: {text}" for name, good, text in defaults_inside(done) if not good]
     for line in outside:
         say(f"FAILED the default does not lie well inside: {line}")
-    say(f"{before} runs read or made in {(time.perf_counter() - begin) / 60:.1f} min; limits: {out / 'limits.md'}")
+    say(f"{progress.done} runs, {progress.fresh} of them made now, in {(time.perf_counter() - progress.begin) / 60:.1f} min; limits: {out / 'limits.md'}")
     return 1 if wrong or outside else 0
 
 

@@ -36,9 +36,16 @@ class Axis:
         """Name with the unit, for a figure."""
         return f"{self.name} ({self.unit})" if self.unit else self.name
 
-    def text(self, value):
-        """A value as it is written in a figure and in a list."""
+    def key(self, value):
+        """A value in a file name."""
         return self.words.get(value, f"{value:g}" if isinstance(value, (int, float)) else str(value))
+
+    def text(self, value):
+        """A value as it is written in a figure and in a list: 1e5, 1e-9, 2000."""
+        if value in self.words or isinstance(value, str):
+            return self.key(value)
+        text = f"{value:.0e}" if value >= 1e4 and float(f"{value:.0e}") == value else f"{value:g}"
+        return re.sub(r"e([+-])0*", lambda found: "e" + found[1].strip("+"), text)
 
 
 @dataclass

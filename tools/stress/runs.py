@@ -26,7 +26,7 @@ COLUMNS = ["map", "x", "y", "part", "class", "reason", "error", "tolerance", "ov
 
 def name_of(one, x, y):
     """The file name of a cell."""
-    text = f"{one.x.text(x)}__{one.y.text(y)}"
+    text = f"{one.x.key(x)}__{one.y.key(y)}"
     return re.sub(r"[^A-Za-z0-9_.+-]+", "-", text)
 
 
@@ -115,28 +115,38 @@ def classed(one, pair, record, records):
             "overlap_radii": depth}
 
 
-def run_map(one, out, quick=False, jobs=1, limit=60.0, say=print, before=0, total=None):
+class Progress:
+    """Counts the runs of all maps and guesses the time left from those that were not done before."""
+
+    def __init__(self, total, say):
+        self.total, self.say, self.done, self.fresh, self.begin = total, say, 0, 0, time.perf_counter()
+
+    def line(self, one, pair, row, word):
+        """Says how a run ended."""
+        self.done += 1
+        self.fresh += row["fresh"]
+        cost = f"{row['cpu_s']:.1f} s of CPU" if math.isfinite(row["cpu_s"]) else "stopped from outside"
+        left = (time.perf_counter() - self.begin) / max(self.fresh, 1) * (self.total - self.done) if self.fresh else 0
+        self.say(f"[{self.done}/{self.total}] {one.name}: {one.x.name} {one.x.text(pair[0])}, {one.y.name} {one.y.text(pair[1])}: "
+                 f"{word}{': ' + row['reason'] if row['class'] not in GOOD else ''} ({cost}{'' if row['fresh'] else ', done before'})"
+                 + (f", about {left / 60:.0f} min left" if left > 90 else ""))
+
+
+def run_map(one, out, quick=False, jobs=1, limit=60.0, say=print, progress=None):
     """Run and class all cells of a map; returns (grid, {(x, y): row}), and leaves MAP.csv."""
     grid, extra = one.pairs(quick)
-    pairs, records, begin, ran = extra + grid, {}, time.perf_counter(), 0
-    total = total or len(pairs)
+    pairs, records = extra + grid, {}
+    progress = progress or Progress(len(pairs), say)
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         waiting = {pool.submit(run_cell, one, *pair, out, 4 * limit if pair in extra else limit): pair for pair in pairs}
         try:
             for future in concurrent.futures.as_completed(waiting):
                 pair = waiting[future]
                 records[pair] = future.result()
-                ran += records[pair]["fresh"]
                 row = classed(one, pair, records[pair], records)
-                cost = f"{row['cpu_s']:.1f} s of CPU" if math.isfinite(row["cpu_s"]) else "stopped from outside"
                 reference = one.build(*pair).reference
                 early = pair in extra or (isinstance(reference, tuple) and reference not in records)
-                word = ("ended" if row["class"] in GOOD else row["class"]) if early else WORDS[row["class"]]
-                again = "" if row["fresh"] else ", done before"
-                left = (time.perf_counter() - begin) / max(ran, 1) * (total - before - len(records)) if ran else 0
-                say(f"[{before + len(records)}/{total}] {one.name}: {one.x.name} {one.x.text(pair[0])}, {one.y.name} {one.y.text(pair[1])}: "
-                    f"{word}{': ' + row['reason'] if row['class'] not in GOOD else ''} ({cost}{again})"
-                    + (f", about {left / 60:.0f} min left" if left > 90 else ""))
+                progress.line(one, pair, row, ("ended" if row["class"] in GOOD else row["class"]) if early else WORDS[row["class"]])
         except BaseException:
             for future in waiting:
                 future.cancel()
