@@ -1,4 +1,4 @@
-"""Particles carried one way: paths, orders, dispersion, sampling of the flow, contacts, exits."""
+"""Particles carried by a flow: paths, orders, dispersion, sampling of the flow, contacts, exits, checkpoints."""
 import csv
 import re
 
@@ -58,6 +58,38 @@ def test_the_paper_s_turbulent_force_acts_across_the_flow(freefem, run_folder):
     table = [row for row in rows(run_folder / "particles.csv") if float(row["t"]) > 0.045]
     assert np.std([float(row["v"]) for row in table]) > 1e-3
     assert np.ptp([float(row["u"]) for row in table]) < 0.2 * np.ptp([float(row["v"]) for row in table])
+
+
+QUEUE = ["-tend", 0.12, "-checkpoint", 20]
+
+
+@pytest.mark.parametrize("more", [["-turbulence", "fluctuation"], ["-turbulence", "paper", "-history", 0], ["-coupling", "two-way", "-coupling-solver", "umfpack"]])
+def test_a_run_goes_on_from_a_checkpoint_bit_for_bit(freefem, coarse, tmp_path, more):
+    """With particles that wait, seeded turbulence, history and contacts; the one that goes on lacks the last checkpoint and has rows too many."""
+    words = ["-mesh", coarse, *QUEUE, *more]
+    whole, broken = tmp_path / "whole", tmp_path / "broken"
+    freefem("tests/transport/queue.edp", *words, "-out", whole)
+    freefem("tests/transport/queue.edp", *words[:2], "-tend", 0.1, *words[4:], "-out", broken)
+    for file in broken.glob("restart_000000050*"):
+        file.unlink()
+    freefem("tests/transport/queue.edp", *words, "-restart", broken)
+    names = ["particles.csv", "entries.csv", "exits.csv", "contacts.csv"]
+    assert len(rows(whole / "entries.csv")) > 12 and len(rows(whole / "contacts.csv")) > 5
+    waiting = [int(row["waiting"]) for row in rows(whole / "steps.csv") if int(row["step"]) == 40][0]
+    assert waiting > 0
+    for name in names:
+        assert (whole / name).read_bytes() == (broken / name).read_bytes(), name
+    for name in ["steps.csv"] + (["coupling.csv"] if "two-way" in more else []):
+        for one, other in zip(rows(whole / name), rows(broken / name), strict=True):
+            assert {key: value for key, value in one.items() if "time" not in key} == {key: value for key, value in other.items() if "time" not in key}, name
+
+
+def test_a_restart_with_other_options_or_without_a_checkpoint_is_refused(freefem, coarse, tmp_path):
+    words = ["-mesh", coarse, "-tend", 0.01, "-checkpoint", 2]
+    freefem("tests/transport/queue.edp", *words, "-out", tmp_path / "run")
+    for folder, more in (("run", ["-lift", 0]), ("nowhere", [])):
+        done = freefem("tests/transport/queue.edp", *words, *more, "-restart", tmp_path / folder, check=False)
+        assert done.returncode == 3 and len(done.stderr.splitlines()) == 1
 
 
 LAMINAR = ["-model", "laminar", "-reynolds", 100]
