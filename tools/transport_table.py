@@ -4,7 +4,7 @@
     python -m tools.transport_table --runs RUN RUN ...
 
 Runs cases/pipe_transport.edp once a seed (options behind are handed to it; runs that are
-there and finished with the same options are kept) and writes table.csv and table.png into
+there and finished with the same options are kept: remove DIR after a change of the scripts) and writes table.csv and table.png into
 DIR (default results/transport_table). Per class, in per cent of its particles, mean and
 standard deviation over the seeds:
   carried through   left by the outlet before the end of the run

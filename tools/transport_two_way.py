@@ -37,6 +37,11 @@ def momentum(context):
     yield context.row("two-way, cloud that collides: change of the momentum of fluid and spheres, relative", "conserved", 0, worst, at_most=3e-11)
     gained = run.folder.table("coupling")["momentum_x"][-1] / parts[0][0]
     yield context.row("two-way, cloud that collides: share of the momentum that is the fluid's at the end", "so that there is something to conserve", math.nan, gained, at_least=0.1)
+    run = cloud(context, "fast", coupling_width=0.1, mu=0.5, start_u=3, tend=0.16, depth=0.02, dt=0.02)
+    _, parts = total_momentum(run, 0)
+    yield context.row("two-way, fast cloud: factorisations", "so that the matrix is made anew", math.nan, run.folder.table("coupling")["factorisations"][-1], at_least=2, cpu_s=run.cpu_s)
+    worst = max(np.max(np.abs(part - part[0])) for part in parts) / parts[0][0]
+    yield context.row("two-way, fast cloud: change of the momentum of fluid and spheres, relative", "conserved", 0, worst, at_most=3e-11)
     run = cloud(context, "weight", coupling_width=0.05, mu=0.01, drag="constant", lift=1, buoyancy=1, tend=0.2, depth=0.1)
     times, parts = total_momentum(run, 0)
     given = -100 * (DENSITY - RHO) * VOLUME * 9.81 * times

@@ -251,8 +251,8 @@ def application(context):
 
 
 def seeds(context):
-    """The table by diameter class over 20 seeds: its fates account for everyone."""
-    rows = transport_table.table_of([RunFolder(folder) for folder in transport_table.compute(20, context.out / "seeds", {}, 1)])
+    """The table by diameter class over 20 seeds (runs of tools.transport_table are used if they are there): its fates account for everyone."""
+    rows = transport_table.table_of([RunFolder(folder) for folder in transport_table.compute(20, ROOT / "results" / "transport_table", {}, 1)])
     whole = dict(zip(transport_table.FATES, rows[-1][3::2]))
     yield context.row("20 seeds: carried through, trapped and behind together, % of the particles", "everyone, but who entered in the last second", 100,
                       whole["carried through"] + whole["trapped"] + whole["behind"], atol=1)
