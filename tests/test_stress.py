@@ -2,6 +2,8 @@
 import csv
 import json
 import math
+import subprocess
+import sys
 import time
 
 import numpy as np
@@ -242,6 +244,15 @@ def test_a_record_cut_short_is_run_again(tmp_path):
     assert json.loads(note.read_text())["status"] == 0
     note.write_text(note.read_text()[:40])
     assert run_map(one, tmp_path, True, say=lambda line: None)[1][1.0, 0]["fresh"]
+
+
+def test_meshes_are_made_by_two_threads_at_a_time(tmp_path):
+    """gmsh ends the process when two threads use it at once; hence in a process of its own."""
+    script = ("import sys, concurrent.futures as c; from tools.stress.cells import Mesh; pool = c.ThreadPoolExecutor(2);"
+              "print(len(list(pool.map(lambda h: Mesh(('pipe_obstacles', '--size', h)).make(sys.argv[1]), [0.03, 0.028, 0.032, 0.026]))))")
+    done = subprocess.run([sys.executable, "-c", script, str(tmp_path)], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0 and done.stdout.split()[-1] == "4", done.stderr
+    assert len(list(tmp_path.glob("*.mesh"))) == 4
 
 
 def test_the_last_shorter_step_lets_nothing_overlap(tmp_path):

@@ -6,6 +6,7 @@ another cell of the same map, (x, y), in the grid or not, or an array of exact v
 import hashlib
 import os
 import re
+import threading
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from tools.stress.awkward import spoiled
 from tools.stress.classes import Checks
 
 MAKERS = [*ROOT.glob("tools/meshing/*.py"), ROOT / "tools/stress/awkward.py"]
+MAKING = threading.Lock()  # gmsh serves one thread at a time
 
 
 @dataclass
@@ -63,11 +65,12 @@ class Mesh:
     def make(self, folder):
         """Write it into the folder unless it is there and newer than what makes it; returns the path."""
         path = Path(folder) / self.name
-        if not path.is_file() or path.stat().st_mtime < max(maker.stat().st_mtime for maker in MAKERS):
-            words = [f"{word:.12g}" if isinstance(word, float) else str(word) for word in self.words]
-            options = parser().parse_args([*words, "--out", "unused.mesh"])
-            _, mesh = CASES[options.case][0].build(options)
-            write(mesh if self.kind == "plain" else spoiled(mesh, self.kind), path)
+        with MAKING:
+            if not path.is_file() or path.stat().st_mtime < max(maker.stat().st_mtime for maker in MAKERS):
+                words = [f"{word:.12g}" if isinstance(word, float) else str(word) for word in self.words]
+                options = parser().parse_args([*words, "--out", "unused.mesh"])
+                _, mesh = CASES[options.case][0].build(options)
+                write(mesh if self.kind == "plain" else spoiled(mesh, self.kind), path)
         return path
 
 
