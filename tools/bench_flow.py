@@ -4,8 +4,8 @@
     python -m tools.bench_flow --problems 2d1 cavity --levels 2 --install
 
 Problems: 2d1 and 2d2 (cylinder in a channel; error of the drag, and the largest error of drag,
-lift range and Strouhal number), cavity (Reynolds number 1000; largest error of the extrema on
-the centrelines). Each program runs each of three resolutions, one program after the other,
+lift range and Strouhal number; also by Lefebvre's scheme as published), cavity (Reynolds number
+1000; largest error of the extrema on the centrelines). Each program runs each of three resolutions, one program after the other,
 level by level, on one core and one thread. CPU time is that of the whole process, user and
 system; cpu_own_s leaves out the imports of the Python packages (for FreeFEM: the same as cpu_s).
 The figure shows cpu_own_s. NGSolve and scikit-fem are not needed elsewhere: --install puts them
@@ -30,8 +30,8 @@ from tools.run_folder import RunFolder
 from tools.tables import write_table
 
 PEERS = {"NGSolve": ("with_ngsolve", "ngsolve==6.2.2608"), "scikit-fem": ("with_skfem", "scikit-fem==12.0.2")}
-OURS = "this suite"
-PROBLEMS = {"2d1": (OURS, "NGSolve", "scikit-fem"), "2d2": (OURS, "NGSolve"), "cavity": (OURS, "NGSolve", "scikit-fem")}
+OURS, PUBLISHED = "this suite", "as published"
+PROBLEMS = {"2d1": (OURS, PUBLISHED, "NGSolve", "scikit-fem"), "2d2": (OURS, PUBLISHED, "NGSolve"), "cavity": (OURS, "NGSolve", "scikit-fem")}
 TITLES = {"2d1": "DFG 2D-1, drag", "2d2": "DFG 2D-2, worst of three", "cavity": "cavity, Re 1000, extrema"}
 REFERENCE = {
     "2d1": {"drag": 5.57953523384},
@@ -50,6 +50,12 @@ LEVELS = {
     "cavity": [(["cavity", "--size", "0.0417"], {}), (["cavity", "--size", "0.0278"], {}), (["cavity", "--size", "0.0179"], {})],
 }
 CASES = {"2d1": "cylinder_steady", "2d2": "cylinder_channel", "cavity": "cavity"}
+# The scheme as published on the same meshes: level of the mesh, options. The steady flow is marched to t = 3 s.
+MARCHED = {
+    "2d1": [(0, {"-speed": 0.3, "-dt": 0.05, "-tend": 3, "-sample": 1}), (1, {"-speed": 0.3, "-dt": 0.025, "-tend": 3, "-sample": 1}),
+            (2, {"-speed": 0.3, "-dt": 0.025, "-tend": 3, "-sample": 1})],
+    "2d2": [(0, {"-dt": 0.02, "-tend": 6, "-sample": 0.02}), (0, {"-dt": 0.01, "-tend": 6}), (1, {"-dt": 0.01, "-tend": 6})],
+}
 
 
 def error(problem, found):
@@ -63,28 +69,62 @@ def results(folder):
         return {row["quantity"]: float(row["value"]) for row in csv.DictReader(stream)}
 
 
+def mesh_of(problem, level, out):
+    """The mesh file of a level, made once."""
+    mesh = out / "meshes" / f"{problem}_{level}.mesh"
+    if not mesh.is_file():
+        mesh.parent.mkdir(parents=True, exist_ok=True)
+        subprocess.run([sys.executable, "-m", "tools.mesh", *LEVELS[problem][level][0], "--out", str(mesh)], cwd=ROOT, check=True, capture_output=True)
+    return mesh
+
+
+def size_of(run):
+    """Unknowns of P2/P1 on the run's mesh of a domain with one hole (edges: vertices + triangles)."""
+    vertices, triangles = run.mesh.points.shape[0], run.mesh.triangles.shape[0]
+    return 2 * (2 * vertices + triangles) + vertices
+
+
 def ours(problem, level, out, limit):
     """(unknowns, numbers, cpu_s, cpu_own_s, reason) of a run of this suite."""
     from tools.peers.common import vortices
-    words, options = LEVELS[problem][level]
-    mesh = out / "meshes" / f"{problem}_{level}.mesh"
-    mesh.parent.mkdir(parents=True, exist_ok=True)
-    subprocess.run([sys.executable, "-m", "tools.mesh", *words, "--out", str(mesh)], cwd=ROOT, check=True, capture_output=True)
     folder = out / "runs" / f"{problem}_{level}"
-    done = run_case(f"cases/{CASES[problem]}.edp", {"-mesh": str(mesh), **options}, out=folder, limit=limit)
+    done = run_case(f"cases/{CASES[problem]}.edp", {"-mesh": str(mesh_of(problem, level, out)), **LEVELS[problem][level][1]}, out=folder, limit=limit)
     if not done.ok:
         return 0, {}, done.cpu_s, done.cpu_s, done.reason
     if problem == "2d2":
         run = RunFolder(folder)
         force = run.table("forces")
         found = vortices(force["t"], 20 * force["force_x"], 20 * force["force_y"], 4.5)
-        vertices, triangles, _ = (run.mesh.points.shape[0], run.mesh.triangles.shape[0], 0)
-        unknowns = 2 * (2 * vertices + triangles) + vertices  # edges: vertices + triangles in a domain with one hole
+        unknowns = size_of(run)
     else:
         found = results(folder)
         found["drag"] = found.get("drag_coefficient", float("nan"))
         unknowns = found["unknowns"]
     return unknowns, found, done.cpu_s, done.cpu_s, ""
+
+
+def published(problem, level, out, limit):
+    """The same of the scheme as published."""
+    from tools.peers.common import vortices
+    on, options = MARCHED[problem][level]
+    folder = out / "runs" / f"published_{problem}_{level}"
+    done = run_case("tools/bench/published_channel.edp", {"-mesh": str(mesh_of(problem, on, out)), **options}, out=folder, limit=limit)
+    if not done.ok:
+        return 0, {}, done.cpu_s, done.cpu_s, done.reason
+    run = RunFolder(folder)
+    force = run.table("forces")
+    if problem == "2d1":
+        found = {"drag": 500 * force["force_x"][-1]}
+    else:
+        found = vortices(force["t"], 20 * force["force_x"], 20 * force["force_y"], 4.5)
+    return size_of(run), found, done.cpu_s, done.cpu_s, ""
+
+
+def run_program(program, problem, level, out, limit):
+    """(unknowns, numbers, cpu_s, cpu_own_s, reason) of any of the programs."""
+    if program == OURS:
+        return ours(problem, level, out, limit)
+    return published(problem, level, out, limit) if program == PUBLISHED else peer(program, problem, level, limit)
 
 
 def peer(program, problem, level, limit):
@@ -101,7 +141,7 @@ def draw(rows, problems, path):
     """Error against CPU time, one panel a problem."""
     figure, panels = plt.subplots(1, len(problems), figsize=(PAGE_WIDTH, 2.9), layout="constrained", squeeze=False)
     for axes, problem in zip(panels[0], problems):
-        for k, program in enumerate((OURS, *PEERS)):
+        for k, program in enumerate((OURS, PUBLISHED, *PEERS)):
             mine = [row for row in rows if row[0] == problem and row[1] == program and not row[-1]]
             if mine:
                 axes.loglog([row[5] for row in mine], [row[6] for row in mine], marker=MARKERS[k], markersize=4, **curve(k), label=program)
@@ -113,7 +153,7 @@ def draw(rows, problems, path):
             axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
             axis.set_minor_formatter(NullFormatter())
     panels[0][0].set_ylabel("relative error")
-    figure.legend(*panels[0][0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
+    figure.legend(*panels[0][0].get_legend_handles_labels(), loc="outside upper center", ncols=4)
     return save(figure, path)
 
 
@@ -140,13 +180,13 @@ def main(words=None):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})  # inherited by all runs
     out = Path(given.out).resolve()
     out.mkdir(parents=True, exist_ok=True)
-    shutil.rmtree(out / "runs", ignore_errors=True)
+    for name in ("runs", "meshes"):
+        shutil.rmtree(out / name, ignore_errors=True)
     rows = []
     for problem in given.problems:
         for level in range(given.levels):
             for program in PROBLEMS[problem]:
-                run = ours(problem, level, out, given.limit) if program == OURS else peer(program, problem, level, given.limit)
-                unknowns, found, cpu, own, reason = run
+                unknowns, found, cpu, own, reason = run_program(program, problem, level, out, given.limit)
                 off = error(problem, found) if found else float("nan")
                 rows.append([problem, program, level, int(unknowns), cpu, own, off, *[found.get(n, float("nan")) for n in list(REFERENCE[problem])[:3]],
                              *[float("nan")] * (3 - len(REFERENCE[problem])), reason])

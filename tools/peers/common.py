@@ -10,10 +10,10 @@ for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NGS_
 HEIGHT, LENGTH, CENTRE, RADIUS, NU = 0.41, 2.2, (0.2, 0.2), 0.05, 1e-3
 
 
-def asked(problems):
+def asked(problems, levels=3):
     """(problem, level) of the command line."""
-    if len(sys.argv) != 3 or sys.argv[1] not in problems or not sys.argv[2].isdigit():
-        sys.exit(f"usage: {sys.argv[0]} {'|'.join(problems)} LEVEL (0, 1, 2)")
+    if len(sys.argv) != 3 or sys.argv[1] not in problems or not sys.argv[2].isdigit() or int(sys.argv[2]) >= levels:
+        sys.exit(f"usage: {sys.argv[0]} {'|'.join(problems)} LEVEL (0 to {levels - 1})")
     return sys.argv[1], int(sys.argv[2])
 
 

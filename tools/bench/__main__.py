@@ -1,0 +1,138 @@
+"""Error against CPU time of flow, particles, contacts and transport; scaling; what is skipped.
+
+    python -m tools.bench                  # make bench: at most 45 minutes
+    python -m tools.bench --quick          # make bench QUICK=1: at most 5 minutes
+    python -m tools.bench --parts particles skip --out results/bench_some
+
+The published method, the standard scheme and other packages (NGSolve, scikit-fem, lbmpy, SciPy,
+the QP packages piqp, clarabel, scs, osqp) run interleaved, in rounds, on one core and one thread.
+Packages that are missing are installed with pip unless --no-install is given; one that is not to
+be had is a line on the page. Writes bench.md (the page), bench.png and bench.csv (every run).
+No round begins after its share of the time; each job has run once.
+
+Status 0: all ran; 1: something did not, and the page says what.
+"""
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from tools import bench_contacts, bench_flow
+from tools.bench import skip
+from tools.bench.figure import draw
+from tools.bench.page import load, write_page
+from tools.bench.rounds import collect, run_rounds
+from tools.bench.scaling import scaling_jobs
+from tools.bench.scenes import OURS, PUBLISHED, contact_jobs, flow_jobs, particle_jobs, suspension_jobs
+from tools.bench.transport import transport_jobs
+from tools.command import ROOT, Parser, guarded
+from tools.runner import freefem
+
+PARTS = ("flow", "particles", "contacts", "transport", "scaling", "skip")
+PACKAGES = {"ngsolve": bench_flow.PEERS["NGSolve"][1], "skfem": bench_flow.PEERS["scikit-fem"][1], "lbmpy": "lbmpy==2.0",
+            **{name: f"{name}=={version}" for name, version in bench_contacts.PEERS.items()}}
+PUBLISHED_SETTLING = [(3, 0.005), (4, 0.005), (6, 0.005)]
+
+
+def peers(install):
+    """({packages that can be imported}, lines on those that cannot)."""
+    there, missing = set(), []
+    for name, pinned in PACKAGES.items():
+        if importlib.util.find_spec(name) is None and install:
+            subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", pinned], check=False, capture_output=True)
+            importlib.invalidate_caches()
+        if importlib.util.find_spec(name) is None:
+            missing.append(f"{pinned} is not installed" + (" and could not be" if install else "") + ": left out")
+        else:
+            there.add(name)
+    return there, missing
+
+
+def jobs_of(part, there, out, quick, limit):
+    """The jobs of a part; small ones for --quick."""
+    qp = [name for name in bench_contacts.PEERS if name in there]
+    if part == "flow":
+        levels = {"2d1": {bench_flow.OURS: (0, 1, 2), bench_flow.PUBLISHED: (0,) if quick else (0, 1, 2), "NGSolve": (0, 1, 2), "scikit-fem": (0, 1, 2)}}
+        if not quick:
+            levels["2d2"] = {bench_flow.OURS: (0, 1, 2), bench_flow.PUBLISHED: (0, 1), "NGSolve": (0, 1)}
+        absent = {name for name, package in (("NGSolve", "ngsolve"), ("scikit-fem", "skfem")) if package not in there}
+        return flow_jobs(out, {p: {k: v for k, v in those.items() if k not in absent} for p, those in levels.items()}, limit)
+    if part == "particles":
+        settle = {OURS: [(3, 0.0025), (4, 0.00125), (6, 0.005 / 6), (8, 0.000625)], PUBLISHED: PUBLISHED_SETTLING}
+        turn = {OURS: [(8, 0.01), (16, 0.0025), (32, 0.000625)], PUBLISHED: [(8, 0.02), (16, 0.02), (32, 0.02)]}
+        if quick:
+            settle, turn = {OURS: settle[OURS][:2], PUBLISHED: PUBLISHED_SETTLING[:1]}, {name: those[:2] for name, those in turn.items()}
+        lattice = ([0, 1] if quick else [0, 1, 2, 3]) if "lbmpy" in there else []
+        return particle_jobs(out, settle, lattice, turn, limit) + suspension_jobs(out, {OURS: (20, 5), PUBLISHED: (3, 1)}, limit)
+    if part == "contacts":
+        if quick:
+            return contact_jobs([500, 2000], 1e-8, 500, [1e-4, 1e-8], qp, 20)
+        return contact_jobs([500, 5000, 20000], 1e-8, 2000, [1e-3, 1e-6, 1e-9], qp, 60)
+    if part == "transport":
+        return transport_jobs(out, [100, 10000] if quick else [100, 1000, 10000, 100000], 2 if quick else 3)
+    if quick:
+        return scaling_jobs(out, {OURS: [(4, 20, 5), (8, 10, 4)], PUBLISHED: [(4, 3, 1)]},
+                            {OURS: [(0, 20, 5), (1, 20, 5), (50, 15, 5)], "none": [(None, 20, 5)]}, limit)
+    return scaling_jobs(out, {OURS: [(4, 40, 10), (6, 40, 10), (8, 30, 10), (12, 25, 10), (17, 15, 5)], PUBLISHED: [(4, 4, 1), (6, 3, 1), (8, 3, 1)]},
+                        {OURS: [(0, 40, 10), (1, 40, 10), (50, 40, 10), (500, 20, 5)], "none": [(None, 40, 10)], PUBLISHED: [(1, 3, 1), (50, 3, 1), (500, 3, 1)]}, limit)
+
+
+# Shares of the time after which no further round begins, in minutes.
+SHARES = {False: {"flow": 14, "particles": 9, "contacts": 6, "transport": 1.5, "scaling": 6, "skip": 7},
+          True: {"flow": 0.6, "particles": 1, "contacts": 0.6, "transport": 0.2, "scaling": 0.7, "skip": 1}}
+
+
+def parser():
+    """The options."""
+    options = Parser(prog="python -m tools.bench", description=__doc__)
+    options.add_argument("--quick", action="store_true", help="coarse runs only, at most 5 minutes")
+    options.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS), help="default: all")
+    options.add_argument("--out", default=str(ROOT / "results" / "bench"), metavar="DIR", help="where page, figure and table go (default results/bench)")
+    options.add_argument("--repeats", type=int, default=3, metavar="N", help="most runs of each (default 3; a long one runs once)")
+    options.add_argument("--limit", type=float, default=900, metavar="S", help="most seconds of one run (default 900)")
+    options.add_argument("--no-install", action="store_true", help="do not install packages that are missing")
+    return options
+
+
+def run_skip(out, quick, limit, say):
+    """The Skipped of every feature."""
+    return [skip.compare(feature, out, 3 if quick else 9, 4 if quick else 1, limit, say) for feature in skip.FEATURES]
+
+
+def main(words=None):
+    """0 if everything ran."""
+    given = parser().parse_args(words)
+    freefem()
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})  # inherited by all runs
+    out = Path(given.out).resolve()
+    out.mkdir(parents=True, exist_ok=True)
+    for name in ("runs", "trees", "meshes"):
+        shutil.rmtree(out / name, ignore_errors=True)
+    there, missing = peers(not given.no_install)
+    begin, before = time.perf_counter(), load()
+
+    def say(text):
+        print(f"[{(time.perf_counter() - begin) / 60:5.1f} min] {text}", flush=True)
+    samples, skipped = [], []
+    for part in given.parts:
+        if part == "skip":
+            skipped = run_skip(out, given.quick, given.limit, say)
+        else:
+            until = time.perf_counter() + 60 * SHARES[given.quick][part]
+            samples += run_rounds(jobs_of(part, there, out, given.quick, given.limit), given.repeats, 5 if given.quick else 25, say, until=until)
+        points = collect(samples)
+        page = write_page(points, samples, skipped, missing, out, given.quick, (time.perf_counter() - begin) / 60, (before, load()))
+        if points or skipped:
+            draw(points, skipped, out / "bench.png")
+    for name in ("runs", "trees"):
+        shutil.rmtree(out / name, ignore_errors=True)
+    print(f"{page}\n{out / 'bench.png'}\n{out / 'bench.csv'}")
+    return 0 if not any(s.note for s in (*samples, *skipped)) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(guarded(main))

@@ -1,0 +1,103 @@
+"""The figure of the benchmark: a panel a problem, and one on what is skipped."""
+import math
+
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from tools.bench.page import groups, programs, with_error
+from tools.plotting import PAGE_WIDTH, plt, save
+
+# Colour, marker and line of a program in every panel; told apart by marker and line in grey.
+STYLES = {
+    "standard": ("#0072b2", "o", "-"), "published": ("#d55e00", "s", "--"), "NGSolve": ("#009e73", "^", "-."),
+    "scikit-fem": ("#000000", "D", ":"), "lbmpy": ("#cc79a7", "v", (0, (5, 1, 1, 1, 1, 1))), "SciPy": ("#000000", "p", (0, (7, 2))),
+    "accelerated": ("#56b4e9", "P", (0, (3, 1))), "piqp": ("#e69f00", "X", "-."), "clarabel": ("#595959", "<", "--"),
+    "scs": ("#000000", ">", ":"), "osqp": ("#a05000", "*", (0, (1, 1))), "no particles in the program": ("#009e73", "h", ":"),
+}
+SHORT = {("flow", "2d1"): "DFG 2D-1, drag", ("flow", "2d2"): "DFG 2D-2, worst of three", ("particles", "settling"): "settling disk, velocity",
+         ("particles", "turning"): "disk in shear, rotation", ("transport", "spheres"): "1,000 carried spheres", ("transport", "step"): "carried spheres",
+         ("contacts", "number"): "contacts", ("scaling", "unknowns"): "settling disk", ("scaling", "particles"): "disks in the pipe"}
+SIZES = {"number": "disks", "step": "spheres", "unknowns": "unknowns", "particles": "disks (0 drawn at 0.3)"}
+
+
+def look(name):
+    """Keywords of a program's curve."""
+    colour, marker, dash = STYLES.get(name, ("#000000", "o", "-"))
+    return {"color": colour, "marker": marker, "linestyle": dash, "markersize": 4, "linewidth": 1.2, "markeredgecolor": "white", "markeredgewidth": 0.4}
+
+
+def plain(axis):
+    """At most about five plain numbers on a logarithmic axis."""
+    low, high = axis.get_view_interval()
+    decades = math.log10(high / low)
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if decades < 1.2 else (1, 3) if decades < 2.2 else (1,), numticks=7))
+    axis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}" if 1e-3 <= v < 1e4 else f"$10^{{{math.log10(v):.0f}}}$" if abs(math.log10(v) % 1) < 1e-9
+                                           else f"${v / 10**math.floor(math.log10(v)):.0f}\\cdot10^{{{math.floor(math.log10(v))}}}$"))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def draw_points(axes, points):
+    """One problem; returns the programs drawn."""
+    error, key = with_error(points), (points[0].section, points[0].problem)
+    drawn = []
+    for name, some in programs(points).items():
+        some = [p for p in some if not p.note and p.cost > 0 and (not error or p.error > 0)]
+        if not some:
+            continue
+        x = [p.cost if error else max(p.unknowns, 0.3) for p in some]
+        y = [p.error if error else p.cost for p in some]
+        axes.plot(x, y, **look(name))
+        if not error:
+            axes.vlines(x, [p.spread[0] for p in some], [p.spread[1] for p in some], color=STYLES.get(name, ("#000000",))[0], linewidth=0.8)
+        else:
+            axes.hlines(y, [p.spread[0] for p in some], [p.spread[1] for p in some], color=STYLES.get(name, ("#000000",))[0], linewidth=0.8)
+        drawn.append(name)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.margins(0.12)
+    step = any(math.isfinite(p.step_s) for p in points)
+    axes.set_xlabel("CPU time (s)" if error else SIZES[points[0].problem])
+    axes.set_ylabel(("residual (mean radii)" if points[0].section == "contacts" else "relative error") if error else f"CPU time of a {'step' if step else 'solve'} (s)")
+    axes.set_title(SHORT.get(key, f"contacts, {points[0].problem}"))
+    axes.grid(True)
+    plain(axes.xaxis)
+    plain(axes.yaxis)
+    return drawn
+
+
+def draw_skipped(axes, skipped):
+    """Differences with their quartiles; the target as a line."""
+    some = [s for s in skipped if not s.note]
+    for k, s in enumerate(some):
+        axes.plot([s.quartiles[0], s.quartiles[1]], [k, k], color="#808080", linewidth=2, solid_capstyle="butt", zorder=1)
+        axes.plot([s.percent], [k], marker="o" if s.name != "none" else "D", color="#0072b2" if s.name != "none" else "black", markersize=4, zorder=2)
+    axes.axvline(1, color="black", linewidth=0.8, linestyle="--")
+    axes.axvline(0, color="black", linewidth=0.5)
+    axes.set_xscale("symlog", linthresh=5, linscale=2)
+    low, high = min([-2, *(s.quartiles[0] for s in some)]), max([3, *(s.quartiles[1] for s in some)])
+    axes.set_xlim(1.2 * low, 1.2 * high)
+    axes.set_xticks([t for t in (-100, -20, -5, -1, 1, 5, 20, 100) if 1.2 * low <= t <= 1.2 * high])
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
+    axes.set_yticks(range(len(some)), [s.name if s.name != "contacts of carried spheres" else "contacts, spheres" for s in some])
+    axes.invert_yaxis()
+    axes.set_xlabel("time of a step, more than\nwithout the feature (%); target 1")
+    axes.set_title("features that are not used")
+
+
+def draw(points, skipped, path):
+    """Write the figure; returns its path."""
+    shown = {key: some for key, some in groups(points).items() if key != ("particles", "suspension") and any(not p.note for p in some)}
+    number = len(shown) + bool(skipped)
+    columns = min(3, number)
+    rows = -(-number // columns)
+    figure, panels = plt.subplots(rows, columns, figsize=(PAGE_WIDTH * 1.2, 2.55 * rows + 0.7), layout="constrained", squeeze=False)
+    flat, names = list(panels.flat), []
+    for axes, some in zip(flat, shown.values()):
+        names += [name for name in draw_points(axes, some) if name not in names]
+    if skipped:
+        draw_skipped(flat[len(shown)], skipped)
+    for axes in flat[number:]:
+        axes.set_visible(False)
+    handles = [Line2D([], [], label=name, **look(name)) for name in STYLES if name in names]
+    figure.legend(handles=handles, loc="outside upper center", ncols=6, handlelength=3.2)
+    return save(figure, path)

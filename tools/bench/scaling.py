@@ -1,0 +1,39 @@
+"""What a step costs, and how much memory a run takes: against unknowns and against particles.
+
+Unknowns: the settling disk, from 4 elements across it. Particles: the pipe on one mesh, without
+particles in the program (scripts/flow.edp) and with 0, 1, 50 and 500 disks.
+"""
+import functools
+
+from tools.bench.rounds import Job
+from tools.bench.scenes import mesh, pipe_step
+from tools.bench.timed import step_time, tree
+
+DIAMETER = 0.25
+SETTLING = "cases/settling_disk.edp"
+
+
+def disk_step(scheme, cells, out, steps, warm, limit):
+    """A step of the settling disk with `cells` elements across it; the disk falls the same part
+    of an element a step on every mesh."""
+    folder = tree(out / "trees" / f"scaling_{scheme}", SETTLING, steps, warm)
+    dt = 0.005 / cells
+    options = {"-mesh": str(mesh("settling_disk", f"settling_{cells:g}", out, "--size", f"{DIAMETER / cells:.12g}")), "-scheme": scheme,
+               "-dt": dt, "-tend": dt * (steps + 2), "-every": 1000}
+    cost, memory = step_time(folder, SETTLING, options, out / "runs" / f"scaling_{scheme}_{cells:g}", limit)
+    columns, rows = round(2 * cells / DIAMETER), round(6 * cells / DIAMETER)
+    return {"unknowns": 2 * (2 * columns + 1) * (2 * rows + 1) + (columns + 1) * (rows + 1), "step_s": cost, "memory_mb": memory}
+
+
+def scaling_jobs(out, cells, disks, limit, size=None):
+    """cells: {program: [(elements across the disk, steps, first steps that do not count)]};
+    disks: {program: [(number or None, steps, the same)]}."""
+    jobs = [Job("scaling", "unknowns", program, level, functools.partial(disk_step, program, one, out, steps, warm, limit))
+            for program, those in cells.items() for level, (one, steps, warm) in enumerate(those)]
+    for program, those in disks.items():
+        for level, (number, steps, warm) in enumerate(those):
+            name = "no particles in the program" if number is None else program
+            jobs.append(Job("scaling", "particles", name, level, functools.partial(pipe_step, program, number, out, steps, warm, limit, size)))
+    return jobs
+
+

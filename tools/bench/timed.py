@@ -1,0 +1,125 @@
+"""Runs of a scene that print what a time step costs, in a tree of sources of their own.
+
+A tree holds copies of lib/, scripts/ and of the case, with a clock in its macro caseStep(), and
+where asked without the statements of a feature: the program that never had it. Each statement
+`if (CONDITION) ...` whose condition needs the feature is cut out, its else branch stays.
+"""
+import re
+import shutil
+from pathlib import Path
+
+from tools.command import ROOT, BadInput
+from tools.runner import run_case
+
+CLOCK = """int benchCalls = 0;
+real benchBefore = 0;
+real[int] benchSteps(BENCH_STEPS);
+func int benchTick() {
+    real now = clock();
+    if (benchCalls > 0 && benchCalls <= BENCH_STEPS) benchSteps[benchCalls - 1] = now - benchBefore;
+    benchCalls++;
+    if (benchCalls == BENCH_STEPS + 1) {
+        real[int] kept = benchSteps(BENCH_WARM:BENCH_STEPS - 1);
+        kept.sort;
+        cout.precision(12);
+        cout << "bench median " << kept[(BENCH_STEPS - BENCH_WARM)/2] << " mean " << kept.sum/kept.n << endl;
+    }
+    benchBefore = clock();
+    return benchCalls;
+}
+macro caseStep() benchTick(); // EOM
+"""
+
+
+def statement_end(text, start):
+    """Where the statement that begins at `start` ends: behind its semicolon or closing brace."""
+    at = start + len(text[start:]) - len(text[start:].lstrip())
+    if text[at] == "{":
+        depth = 0
+        for k in range(at, len(text)):
+            depth += (text[k] == "{") - (text[k] == "}")
+            if depth == 0:
+                return k + 1
+        raise BadInput("a brace is not closed")
+    guard = re.compile(r"(if|for|while)\s*\(").match(text, at)
+    if guard:
+        end = statement_end(text, parenthesis_end(text, guard.end() - 1))
+        other = re.compile(r"\s*else\b").match(text, end)
+        return statement_end(text, other.end()) if other and guard.group(1) == "if" else end
+    return text.index(";", at) + 1
+
+
+def parenthesis_end(text, start):
+    """The place behind the parenthesis that opens at `start`."""
+    depth = 0
+    for k in range(start, len(text)):
+        depth += (text[k] == "(") - (text[k] == ")")
+        if depth == 0:
+            return k + 1
+    raise BadInput("a parenthesis is not closed")
+
+
+def without_guarded(text, names):
+    """(text without the `if` statements that need one of the names, how many were cut). A condition
+    needs a name that stands in it alone or joined by && or inside it by ||-free comparison."""
+    count, at = 0, 0
+    word = re.compile(r"\b(" + "|".join(names) + r")\b")
+    while True:
+        match = re.compile(r"\bif\s*\(").search(text, at)
+        if not match:
+            return text, count
+        end = parenthesis_end(text, match.end() - 1)
+        condition = text[match.end():end - 1]
+        if not word.search(condition) or "||" in condition and not all(word.search(part) for part in condition.split("||")) or condition.startswith("!"):
+            at = match.end()
+            continue
+        after = statement_end(text, end)
+        other = re.compile(r"\s*else\b").match(text, after)
+        text = text[:match.start()] + (text[other.end():] if other else text[after:])
+        count, at = count + 1, match.start()
+
+
+def without_calls(text, names):
+    """(text without the statements NAME(...); of the names, how many were cut)."""
+    return re.subn(r"(?<![\w ])(\s*)\b(" + "|".join(names) + r")\([^;{}]*\);", r"\1", text)
+
+
+def tree(folder, script, steps, warm, guards=(), calls=(), files=()):
+    """Make the tree for a script with `steps` timed steps of which the first `warm` do not count;
+    guards and calls are cut out of the files named. Returns the folder."""
+    folder = Path(folder)
+    shutil.rmtree(folder, ignore_errors=True)
+    for name in ("lib", "scripts"):
+        shutil.copytree(ROOT / name, folder / name)
+    (folder / script).parent.mkdir(parents=True, exist_ok=True)
+    shutil.copy(ROOT / "freefem++.pref", folder)
+    (folder / "meshes").symlink_to(ROOT / "meshes")
+    text = (ROOT / script).read_text()
+    driver = re.search(r'^include "scripts/\w+\.edp"', text, flags=re.M)
+    if not driver or "caseStep" in text:
+        raise BadInput(f"{script} cannot take a clock: it includes no driver, or has its own caseStep")
+    clock = CLOCK.replace("BENCH_STEPS", str(steps)).replace("BENCH_WARM", str(warm))
+    (folder / script).write_text(text[:driver.start()] + clock + text[driver.start():])
+    cut = 0
+    for name in files:
+        text = (folder / name).read_text()
+        for names, take in ((guards, without_guarded), (calls, without_calls)):
+            if names:
+                text, count = take(text, names)
+                cut += count
+        (folder / name).write_text(text)
+    if (guards or calls) and not cut:
+        raise BadInput(f"nothing of {', '.join([*guards, *calls])} stands in {', '.join(files)} any more")
+    return folder
+
+
+def step_time(folder, script, options, out, limit=None):
+    """(median CPU seconds of a step, peak MiB) of a run in a tree."""
+    done = run_case(script, options, out=out, limit=limit, cwd=folder)
+    if not done.ok:
+        raise BadInput(done.reason)
+    found = re.search(r"^bench median (\S+) mean (\S+)$", done.log, flags=re.M)
+    if not found:
+        raise BadInput(f"{script} ended before its last timed step")
+    shutil.rmtree(out, ignore_errors=True)
+    return float(found.group(1)), done.memory_mb
