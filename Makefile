@@ -16,6 +16,7 @@ help:
 	@echo 'make test             the tests, at most 15 minutes (one file: make test TESTS=tests/test_mesh.py)'
 	@echo 'make validate         slow comparisons with published results and a report (one: CASE=settling_disk)'
 	@echo 'make stress           stability maps and their limits, about an hour (QUICK=1: 5 minutes; MAPS="gap jam"; JOBS=2)'
+	@echo 'make bench            error against CPU time, this and other programs, 45 minutes (5: make bench QUICK=1)'
 	@echo 'make doctor           versions, plug-ins, and a check of each linear solver'
 	@echo 'make meshes           makes the default meshes of meshes/ anew'
 	@echo 'make setup            installs what is missing (the others do this too)'
@@ -37,6 +38,10 @@ validate: setup
 
 stress: setup
 	$(PYTHON) -m tools.stress $(if $(QUICK),--quick) $(if $(JOBS),--jobs $(JOBS)) $(MAPS)
+
+# Writes results/bench; installs the packages to compare with into .venv.
+bench: setup
+	$(PYTHON) -m tools.bench $(if $(QUICK),--quick)
 
 doctor: setup
 	$(PYTHON) -m tools.doctor

@@ -29,7 +29,7 @@ from tools.bench.scaling import scaling_jobs
 from tools.bench.scenes import OURS, PUBLISHED, contact_jobs, flow_jobs, particle_jobs, suspension_jobs
 from tools.bench.transport import transport_jobs
 from tools.command import ROOT, Parser, guarded
-from tools.runner import freefem
+from tools.runner import freefem, machine
 
 PARTS = ("flow", "particles", "contacts", "transport", "scaling", "skip")
 PACKAGES = {"ngsolve": bench_flow.PEERS["NGSolve"][1], "skfem": bench_flow.PEERS["scikit-fem"][1], "lbmpy": "lbmpy==2.0",
@@ -80,9 +80,9 @@ def jobs_of(part, there, out, quick, limit):
                         {OURS: [(0, 40, 10), (1, 40, 10), (50, 40, 10), (500, 20, 5)], "none": [(None, 40, 10)], PUBLISHED: [(1, 3, 1), (50, 3, 1), (500, 3, 1)]}, limit)
 
 
-# Shares of the time after which no further round begins, in minutes.
-SHARES = {False: {"flow": 14, "particles": 9, "contacts": 6, "transport": 1.5, "scaling": 6, "skip": 7},
-          True: {"flow": 0.6, "particles": 1, "contacts": 0.6, "transport": 0.2, "scaling": 0.7, "skip": 1}}
+# Minutes of a part after which no further round begins; what is skipped takes 7 and 1.
+SHARES = {False: {"flow": 12, "particles": 8, "contacts": 6, "transport": 1, "scaling": 6},
+          True: {"flow": 0.6, "particles": 1, "contacts": 0.6, "transport": 0.2, "scaling": 0.7}}
 
 
 def parser():
@@ -99,13 +99,14 @@ def parser():
 
 def run_skip(out, quick, limit, say):
     """The Skipped of every feature."""
-    return [skip.compare(feature, out, 3 if quick else 9, 4 if quick else 1, limit, say) for feature in skip.FEATURES]
+    return [skip.compare(feature, out, 3 if quick else 7, 2 if quick else 1, limit, say) for feature in skip.FEATURES]
 
 
 def main(words=None):
     """0 if everything ran."""
     given = parser().parse_args(words)
     freefem()
+    computer = machine()
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})  # inherited by all runs
     out = Path(given.out).resolve()
@@ -125,7 +126,7 @@ def main(words=None):
             until = time.perf_counter() + 60 * SHARES[given.quick][part]
             samples += run_rounds(jobs_of(part, there, out, given.quick, given.limit), given.repeats, 5 if given.quick else 25, say, until=until)
         points = collect(samples)
-        page = write_page(points, samples, skipped, missing, out, given.quick, (time.perf_counter() - begin) / 60, (before, load()))
+        page = write_page(points, samples, skipped, missing, out, given.quick, (time.perf_counter() - begin) / 60, (before, load()), computer)
         if points or skipped:
             draw(points, skipped, out / "bench.png")
     for name in ("runs", "trees"):

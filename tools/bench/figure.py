@@ -23,7 +23,7 @@ SIZES = {"number": "disks", "step": "spheres", "unknowns": "unknowns", "particle
 def look(name):
     """Keywords of a program's curve."""
     colour, marker, dash = STYLES.get(name, ("#000000", "o", "-"))
-    return {"color": colour, "marker": marker, "linestyle": dash, "markersize": 4, "linewidth": 1.2, "markeredgecolor": "white", "markeredgewidth": 0.4}
+    return {"color": colour, "marker": marker, "linestyle": dash, "markersize": 7 if marker == "*" else 4.5, "linewidth": 1.2}
 
 
 def plain(axis):
@@ -55,6 +55,9 @@ def draw_points(axes, points):
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.margins(0.12)
+    low, high = axes.get_ylim()
+    if high < 4 * low:  # a nearly level curve is to look level
+        axes.set_ylim(low / 2, high * 2)
     step = any(math.isfinite(p.step_s) for p in points)
     axes.set_xlabel("CPU time (s)" if error else SIZES[points[0].problem])
     axes.set_ylabel(("residual (mean radii)" if points[0].section == "contacts" else "relative error") if error else f"CPU time of a {'step' if step else 'solve'} (s)")

@@ -5,7 +5,7 @@ import os
 from importlib import metadata
 
 from tools.bench.rounds import Sample, fitted_exponent, ratio_at_equal_error
-from tools.runner import commit, machine, versions
+from tools.runner import commit, versions
 from tools.tables import write_table
 
 TITLES = {
@@ -105,8 +105,12 @@ def ratios(points):
 
 
 def exponents(points):
-    """Fitted exponents of a problem whose sizes vary."""
-    lines = []
+    """Ratios at equal size, and fitted exponents of a problem whose sizes vary."""
+    mine, lines = {p.unknowns: p.cost for p in points if p.program == "standard" and not p.note}, []
+    for name, theirs in programs(points).items():
+        both = [p for p in theirs if name != "standard" and not p.note and p.unknowns in mine]
+        if both:
+            lines.append(f"- {name} over standard: " + ", ".join(f"{p.cost / mine[p.unknowns]:.3g} at size {p.unknowns:,.0f}" for p in both))
     for name, theirs in programs(points).items():
         sizes = [p.unknowns for p in theirs if not p.note and p.unknowns > 0]
         if len(set(sizes)) > 1:
@@ -130,11 +134,12 @@ def skipped_table(skipped):
     return lines
 
 
-def write_page(points, samples, skipped, missing, out, quick, minutes, loads):
-    """bench.md and bench.csv; missing: lines on peers that are not there; loads: load averages."""
+def write_page(points, samples, skipped, missing, out, quick, minutes, loads, computer):
+    """bench.md and bench.csv; missing: lines on peers that are not there; loads: load averages;
+    computer: the machine in words."""
     names = [field.name for field in dataclasses.fields(Sample)]
     write_table(out / "bench.csv", names, [[getattr(s, name) for name in names] for s in samples])
-    lines = ["# Benchmark", "", f"`python -m tools.bench{' --quick' if quick else ''}` took {minutes:.1f} minutes on {machine()}, on one core; "
+    lines = ["# Benchmark", "", f"`python -m tools.bench{' --quick' if quick else ''}` took {minutes:.1f} minutes on {computer}, on one core of it; "
              f"commit {commit()}; load average {loads[0]:.1f} at the start, {loads[1]:.1f} at the end"
              + (" (other work ran beside it: the times are too long)." if max(loads) > 1.5 else "."), "",
              f"Versions: {equipment()}.", "",

@@ -39,7 +39,7 @@ class Feature:
     about: str
     unused: Variant
     without: Variant
-    steps: int = 100
+    steps: int = 50
 
 
 JET_STILL, SETTLE = Variant(JET, {**PIPE_STEP, "-budget": 0}), Variant(DISK, STILL)
@@ -50,17 +50,17 @@ FEATURES = [
     Feature("contacts", "a disk far from the walls, against a program that never looks", SETTLE,
             Variant(DISK, STILL, calls=("motionContacts", "pressureImpact"), files=("scripts/standard.idp",))),
     Feature("contacts of carried spheres", "spheres too far apart to touch, against -contacts 0", Variant(SPHERES, {**ALONE, "-contacts": 1, "-number": 200}),
-            Variant(SPHERES, {**ALONE, "-number": 200}), 300),
+            Variant(SPHERES, {**ALONE, "-number": 200}), 200),
     Feature("convection", "Stokes flow, against a program without convection", Variant(JET, {**PIPE_STEP, "-budget": 0, "-convection": 0}),
             Variant(JET, {**PIPE_STEP, "-budget": 0, "-convection": 0}, guards=("withConvection",), files=FLOW_FILES)),
     Feature("fields", "no fields asked for, against a program that cannot write any", JET_STILL,
             Variant(JET, JET_STILL.options, calls=("fieldsWrite",), files=("scripts/flow.edp",))),
     Feature("rotation", "spheres that do not turn, against a program without rotation", CARRIED,
-            Variant(SPHERES, ALONE, guards=("forceMagnus",), files=CARRIED_FILES), 300),
+            Variant(SPHERES, ALONE, guards=("forceMagnus",), files=CARRIED_FILES), 200),
     Feature("turbulence", "no fluctuations, against a program without them", CARRIED,
-            Variant(SPHERES, ALONE, guards=("turbMode",), files=CARRIED_FILES), 300),
+            Variant(SPHERES, ALONE, guards=("turbMode",), files=CARRIED_FILES), 200),
     Feature("transport forces", "drag and weight alone, against a program with no other force", CARRIED,
-            Variant(SPHERES, ALONE, guards=("forceMagnus", "forceLift", "forceAddedMass", "forceSided", "bassetOn", "turbMode"), files=CARRIED_FILES), 300),
+            Variant(SPHERES, ALONE, guards=("forceMagnus", "forceLift", "forceAddedMass", "forceSided", "bassetOn", "turbMode"), files=CARRIED_FILES), 200),
 ]
 
 

@@ -75,13 +75,13 @@ def without_guarded(text, names):
             continue
         after = statement_end(text, end)
         other = re.compile(r"\s*else\b").match(text, after)
-        text = text[:match.start()] + (text[other.end():] if other else text[after:])
+        text = text[:match.start()] + (text[other.end():].lstrip() if other else "1;" + text[after:])  # 1; is FreeFEM's empty statement
         count, at = count + 1, match.start()
 
 
 def without_calls(text, names):
     """(text without the statements NAME(...); of the names, how many were cut)."""
-    return re.subn(r"(?<![\w ])(\s*)\b(" + "|".join(names) + r")\([^;{}]*\);", r"\1", text)
+    return re.subn(r"(^|[;{}])(\s*)(?:" + "|".join(names) + r")\([^;{}]*\);", r"\1\2", text, flags=re.M)
 
 
 def tree(folder, script, steps, warm, guards=(), calls=(), files=()):

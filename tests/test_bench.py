@@ -1,0 +1,125 @@
+"""tools.bench: ratios at equal error, rounds, what is cut out of a program, the page, and a tiny run."""
+import csv
+import math
+
+import numpy as np
+import pytest
+
+from conftest import ROOT
+from tools.bench import __main__ as bench
+from tools.bench import skip
+from tools.bench.figure import draw
+from tools.bench.page import write_page
+from tools.bench.rounds import Job, Point, collect, fitted_exponent, ratio_at_equal_error, run_rounds
+from tools.bench.timed import tree, without_calls, without_guarded
+from tools.command import BadInput
+
+
+def curve(program, costs, errors, problem="2d1"):
+    return [Point("flow", problem, program, k, 3, 1000 * 2**k, e, 100.0, c, math.nan, (0.9 * c, 1.1 * c)) for k, (c, e) in enumerate(zip(costs, errors))]
+
+
+def test_the_ratio_at_equal_error_is_that_of_the_curves():
+    cost = np.array([1.0, 2, 4, 8])
+    mine = curve("standard", cost, 0.1 * cost**-2)
+    other = curve("published", 30 * cost, 0.1 * cost**-2)
+    ratio, at, bound = ratio_at_equal_error(mine, other)
+    assert ratio == pytest.approx(30) and bound == "" and 0.1 / 64 < at < 0.1
+    # another slope: error 1/cost against 1/cost^2 at the middle of the common errors
+    ratio, at, _ = ratio_at_equal_error(curve("standard", [1, 100], [1, 1e-4]), curve("published", [1, 1e4], [1, 1e-4]))
+    assert at == pytest.approx(1e-2) and ratio == pytest.approx(10)
+
+
+def test_errors_that_do_not_meet_give_bounds_or_nothing():
+    mine = curve("standard", [1, 4], [1e-2, 1e-3])
+    ratio, at, bound = ratio_at_equal_error(mine, curve("published", [50, 200], [0.2, 0.1]))
+    assert (ratio, bound) == (pytest.approx(200), ">") and at == pytest.approx(0.1)
+    ratio, at, bound = ratio_at_equal_error(mine, curve("lbmpy", [0.4, 1], [1e-4, 1e-5]))
+    assert (ratio, bound) == (pytest.approx(0.1), "<") and at == pytest.approx(1e-3)
+    assert ratio_at_equal_error(mine, curve("lbmpy", [0.01, 0.02], [0.5, 0.4])) is None  # cheaper and worse
+    assert ratio_at_equal_error(mine, curve("lbmpy", [90, 100], [1e-4, 1e-5])) is None  # dearer and better
+    assert ratio_at_equal_error(mine, []) is None
+
+
+def test_points_that_are_beaten_do_not_count():
+    mine = curve("standard", [1, 2, 4], [1e-1, 3e-1, 1e-2])  # the second is dearer and worse than the first
+    with_it, without = (ratio_at_equal_error(some, curve("published", [10, 40], [1e-1, 1e-2])) for some in (mine, [mine[0], mine[2]]))
+    assert with_it == without
+
+
+def test_exponents_are_fitted():
+    assert fitted_exponent([1, 10, 100], [2.0, 60, 1800]) == pytest.approx(math.log10(30))
+    assert math.isnan(fitted_exponent([5, 5], [1, 2]))
+
+
+def test_rounds_are_interleaved_and_what_is_long_or_fails_runs_once():
+    order, now = [], [0.0]
+
+    def job(name, seconds, fails=False):
+        def run():
+            order.append(name)
+            now[0] += seconds
+            if fails:
+                raise BadInput("it broke")
+            return {"unknowns": 10, "cpu_s": seconds * (1 + len(order)), "error": 0.1}
+        return Job("flow", "2d1", name, 0, run)
+    samples = run_rounds([job("a", 1), job("long", 9), job("bad", 1, True), job("b", 1)], 3, 5, say=lambda text: None, clock=lambda: now[0])
+    assert order == ["a", "long", "bad", "b", "a", "b", "a", "b"]
+    points = {point.program: point for point in collect(samples)}
+    assert points["bad"].note == "it broke" and points["a"].number == 3 and points["long"].number == 1
+    costs = sorted(s.own_s for s in samples if s.program == "a")
+    assert points["a"].cost == costs[1] and points["a"].spread == (costs[0], costs[2])
+    order.clear()
+    run_rounds([job("a", 1), job("b", 1)], 5, 5, say=lambda text: None, clock=lambda: now[0], until=now[0] + 2.5)
+    assert order == ["a", "b", "a"]
+
+
+def test_what_a_feature_guards_is_cut_out():
+    text = "a(); if (f > 0 && g) { b(); { c(); } } else d(); if (h) e(); if (f || h) i(); for (;;) if (f) { j(); } k();"
+    cut, count = without_guarded(text, ["f"])
+    assert count == 2
+    assert cut == "a(); d(); if (h) e(); if (f || h) i(); for (;;) 1; k();"  # the loop does not take the next statement
+    assert without_guarded("if (!f) a(); if (fg) b();", ["f"]) == ("if (!f) a(); if (fg) b();", 0)
+    cut, count = without_calls("func int look(int n) { return 1; }\nlook(2);\nx = look(3);\n", ["look"])
+    assert count == 1 and "x = look(3);" in cut and "func int look(int n)" in cut and "\nlook(2);" not in cut
+
+
+@pytest.mark.parametrize("feature", skip.FEATURES, ids=lambda feature: feature.name)
+def test_the_features_still_stand_in_the_sources(feature, tmp_path):
+    for one in (feature.unused, feature.without):
+        tree(tmp_path / "tree", one.script, 10, 2, one.guards, one.calls, one.files)  # raises where nothing can be cut
+    if feature.without.files:
+        changed = [name for name in feature.without.files if (tmp_path / "tree" / name).read_text() != (ROOT / name).read_text()]
+        assert changed
+
+
+def test_the_page_tells_all(tmp_path):
+    cost = np.array([1.0, 2, 4])
+    points = curve("standard", cost, 0.1 * cost**-2) + curve("published", 20 * cost, 0.1 * cost**-2)
+    points.append(Point("flow", "2d1", "NGSolve", 0, 0, *[math.nan] * 5, note="could not be started"))
+    sizes = [Point("scaling", "unknowns", "standard", k, 2, 10.0**k, math.nan, 50.0 * k, math.nan, 0.001 * 10**k, (0.001 * 10**k,) * 2) for k in (1, 2)]
+    skipped = [skip.Skipped("fields", "no fields", 0.01, 0.01, 0.4, (-0.1, 0.9), 7), skip.Skipped("contacts", "far", 0.02, 0.01, 100.0, (99.0, 101.0), 7),
+               skip.Skipped("rotation", "none", note="no longer there")]
+    text = write_page(points + sizes, [], skipped, ["osqp==1.1.3 is not installed: left out"], tmp_path, True, 3.0, (0.1, 2.5), "a machine").read_text()
+    for part in ("published, at an error of", "20 times the time of the standard scheme", "could not be started", "osqp==1.1.3 is not installed", "a machine",
+                 "time as size^1.00", "+0.40 % (-0.10 to +0.90) | 7 | yes", "| NO |", "no longer there", "other work ran beside it", "FreeFEM 4"):
+        assert part in text, part
+    assert draw(points + sizes, skipped, tmp_path / "bench.png").stat().st_size > 10_000
+
+
+def test_a_tiny_run(tmp_path, monkeypatch):
+    monkeypatch.setattr(bench, "jobs_of", lambda part, there, out, quick, limit: bench.transport_jobs(out, [50, 200], 1, 3))
+    monkeypatch.setattr(bench, "peers", lambda install: (set(), ["lbmpy==2.0 is not installed: left out"]))
+    monkeypatch.setattr(skip, "FEATURES", [skip.Feature("rotation", "spheres that do not turn", skip.CARRIED,
+                        skip.Variant(skip.SPHERES, {**skip.ALONE, "-number": 20}, ("forceMagnus",), (), skip.CARRIED_FILES), 20)])
+    affinity = bench.os.sched_getaffinity(0)
+    try:
+        assert bench.main(["--quick", "--parts", "transport", "skip", "--repeats", "1", "--out", str(tmp_path)]) == 0
+    finally:
+        bench.os.sched_setaffinity(0, affinity)
+    rows = list(csv.DictReader(open(tmp_path / "bench.csv")))
+    assert [row["program"] for row in rows] == ["standard", "SciPy", "standard", "standard"]
+    errors = [float(row["error"]) for row in rows[:2]]
+    assert 0 < errors[0] < 0.01 and 0 < errors[1] < 0.01
+    assert float(rows[3]["step_s"]) > 0 and (tmp_path / "bench.png").is_file()
+    assert "rotation" in (tmp_path / "bench.md").read_text()
