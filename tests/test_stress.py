@@ -284,6 +284,12 @@ def test_cells_of_the_real_maps(tmp_path, capsys):
         assert all(float(row["overlap_radii"]) < 1e-4 for row in rows)
 
 
+def test_a_penalty_below_the_rounding_is_refused(tmp_path):
+    options = ["-scheme", "published", "-mesh", "meshes/box.mesh", "-tend", "0.001", "-out", tmp_path / "run"]
+    done = run_freefem("cases/settling_disk.edp", "-penalty", "1e-14", *options, check=False)
+    assert done.returncode == 3 and done.stderr.count("\n") == 1 and "lost in rounding" in done.stderr
+
+
 @pytest.mark.parametrize("words", [["nothing"], ["--jobs", "0"], ["--limit", "-1"], ["--speed"]])
 def test_bad_input_is_status_3(words, capsys):
     with pytest.raises((SystemExit, stress.BadInput)) as caught:
