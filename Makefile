@@ -9,7 +9,7 @@ export FREEFEM
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: help run test validate stress doctor meshes setup clean
+.PHONY: help run test validate bench stress doctor meshes setup clean
 
 help:
 	@echo 'make run              50 rigid particles in a pipe with obstacles, with pictures and a film'
