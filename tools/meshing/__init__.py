@@ -34,7 +34,7 @@ CASES = {
     "cavity": (cavity, {}),
     "couette": (couette, {}),
     "settling_disk": (box, {}),
-    "drafting_kissing_tumbling": (box, {"size": 1 / 24}),
+    "drafting_kissing_tumbling": (box, {"size": 1 / 24, "pattern": "alternating"}),  # symmetric about the line of fall
     "poiseuille": (channel, {"size": 1 / 8}),
     "cylinder_between_plates": (channel, {"length": 8.0, "size": 1 / 16}),
     "taylor_green": (periodic_box, {}),
