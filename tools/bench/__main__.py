@@ -10,7 +10,7 @@ Packages that are missing are installed with pip unless --no-install is given; o
 be had is a line on the page. Writes bench.md (the page), bench.png and bench.csv (every run).
 No round begins after its share of the time; each job has run once.
 
-Status 0: all ran; 1: something did not, and the page says what.
+Status 0: the standard scheme ran everywhere; 1: somewhere it did not, and the page says why.
 """
 import importlib.util
 import os
@@ -103,7 +103,7 @@ def run_skip(out, quick, limit, say):
 
 
 def main(words=None):
-    """0 if everything ran."""
+    """0 if everything of the standard scheme ran."""
     given = parser().parse_args(words)
     freefem()
     computer = machine()
@@ -132,7 +132,8 @@ def main(words=None):
     for name in ("runs", "trees"):
         shutil.rmtree(out / name, ignore_errors=True)
     print(f"{page}\n{out / 'bench.png'}\n{out / 'bench.csv'}")
-    return 0 if not any(s.note for s in (*samples, *skipped)) else 1
+    ours = [s for s in samples if s.program not in (PUBLISHED, *bench_contacts.PEERS, "NGSolve", "scikit-fem", "lbmpy", "SciPy")]
+    return 0 if not any(s.note for s in (*ours, *skipped)) else 1
 
 
 if __name__ == "__main__":
