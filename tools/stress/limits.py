@@ -7,18 +7,18 @@ from tools.tables import write_table
 COLUMNS = ["map", "class", "where", "cells", "example", "remedy"]
 
 
-def places(one, grid, rows, kind):
-    """Where a class stands, in words: for each y the run of x that has it; like ys together."""
+def places(one, grid, cells):
+    """Where cells stand, in words: for each y the run of x; like ys together."""
     xs = list(dict.fromkeys(x for x, _ in grid))
     found = {}
     for y in dict.fromkeys(y for _, y in grid):
-        mine = [x for x in xs if (x, y) in rows and rows[x, y]["class"] == kind]
+        mine = [x for x in xs if (x, y) in cells]
         if mine:
             found.setdefault(tuple(mine), []).append(y)
     words = []
     for mine, ys in found.items():
         at = f"{one.x.name} {stretch([one.x.text(x) for x in mine], [one.x.text(x) for x in xs])}{' ' + one.x.unit if one.x.unit else ''}"
-        words.append(f"{at} at {one.y.name} {', '.join(one.y.text(y) for y in ys)}{' ' + one.y.unit if one.y.unit else ''}")
+        words.append(f"{at} at {one.y.name} {' / '.join(one.y.text(y) for y in ys)}{' ' + one.y.unit if one.y.unit else ''}")
     return "; ".join(words)
 
 
@@ -31,14 +31,15 @@ def stretch(mine, every):
 
 
 def limits_of(one, grid, rows):
-    """Rows of limits.csv: one for each class of a map but "accurate"."""
+    """Rows of limits.csv: one for each class of a map but "accurate", and but those that are
+    stable and have no reference."""
     found = []
     for kind in LETTERS:
-        cells = [pair for pair in grid if rows[pair]["class"] == kind]
+        cells = [pair for pair in grid if rows[pair]["class"] == kind and (kind != "stable" or rows[pair]["tolerance"] > 0)]
         if kind == "accurate" or not cells:
             continue
         example = next((rows[pair]["reason"] for pair in cells if rows[pair]["reason"]), "")
-        found.append([one.name, kind, places(one, grid, rows, kind), len(cells), example, one.remedies.get(kind, "")])
+        found.append([one.name, kind, places(one, grid, cells), len(cells), example, one.remedies.get(kind, "")])
     return found
 
 

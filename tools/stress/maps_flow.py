@@ -49,7 +49,7 @@ def steady(factor, case):
     name, value, options = STEADY[case]
     options = {**options, name: value / factor if name == "-mu" else value * factor}
     return Cell(f"cases/{case}.edp", options, Checks({}, None), lambda run: np.array([results(run)["residual"]]), "own",
-                options.get("-tolerance", 1e-5))
+                options.get("-tolerance", 1e-5), patience=3)
 
 
 MAPS = [
