@@ -53,7 +53,8 @@ def draw_map(one, grid, rows, out):
     number = len({y for _, y in grid})
     figure, axes = plt.subplots(figsize=(PAGE_WIDTH, 1.9 + 0.3 * number), layout="constrained")
     draw_cells(axes, one, grid, rows)
-    axes.set_title("\n".join([one.title, *textwrap.wrap(f"A: {one.held}", 100)]), fontsize=8.5)
+    axes.set_title("")
+    figure.suptitle("\n".join([one.title, *textwrap.wrap(f"A: {one.held}", 100)]), fontsize=8.5)
     legend(figure, shown([(one, grid, rows)]), 3)
     return save(figure, out / f"{one.name}.png")
 

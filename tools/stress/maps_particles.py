@@ -177,7 +177,7 @@ MAPS = [
         {"stable": SMALLER, "stopped": SMALLER, "overlap": SMALLER, "blown up": SMALLER}, (0.1, "above the floor")),
     Map("jam", "Disks larger than the throat of the diaphragm", Axis("time step", "s", [0.001, 0.002, 0.004, 0.008], [0.004]),
         Axis("diameter / throat", "", [0.6, 0.9, 1.02, 1.2, 1.6], [1.2]), jam,
-        "at rest: slower than 1 % of the inflow at the end; smaller disks have no reference",
+        "disks at rest: slower than 1 % of the inflow at the end (the flow past a throat that is shut means nothing); smaller disks have no reference",
         {"stable": "a longer -tend, or " + SMALLER, "stopped": "smaller particles: a throat that is shut lets no given inflow through", "overlap": SMALLER,
          "blown up": SMALLER, "late": SMALLER}, (0.002, 0.6)),
 ]
