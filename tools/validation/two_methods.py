@@ -33,7 +33,7 @@ def two_methods(context):
     def tried(label, *args, **options):
         try:
             return fall(context, *args, **options)
-        except Failed as problem:
+        except (Failed, ValueError) as problem:
             rows.append(context.failed(label, FITTED, EXACT, problem))
             return None
 
