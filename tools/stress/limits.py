@@ -45,15 +45,13 @@ def limits_of(one, grid, rows):
 
 def inside(one, grid, rows):
     """(true if the default lies well inside, what is wrong in words): its own cell and its
-    neighbours on the map are stable."""
-    if one.default not in grid:
-        return True, ""
-    xs, ys = list(dict.fromkeys(x for x, _ in grid)), list(dict.fromkeys(y for _, y in grid))
+    neighbours on the whole map are stable, those of them that were run."""
+    xs, ys = one.x.values, one.y.values
     i, j = xs.index(one.default[0]), ys.index(one.default[1])
     lines = [(i, j)]
     lines += [(i + d, j) for d in (-1, 1) if 0 <= i + d < len(xs) and not isinstance(one.default[0], str)]
     lines += [(i, j + d) for d in (-1, 1) if 0 <= j + d < len(ys) and not isinstance(one.default[1], str)]
-    bad = [(xs[a], ys[b]) for a, b in lines if rows[xs[a], ys[b]]["class"] not in GOOD]
+    bad = [(xs[a], ys[b]) for a, b in lines if (xs[a], ys[b]) in grid and rows[xs[a], ys[b]]["class"] not in GOOD]
     return not bad, "; ".join(f"{one.x.name} {one.x.text(x)}, {one.y.name} {one.y.text(y)}: {WORDS[rows[x, y]['class']]}" for x, y in bad)
 
 
