@@ -8,6 +8,7 @@ solvers where they end in time, and the PyPI packages piqp, clarabel, scs, osqp,
 installed where they are missing. Each package gets the assembled matrices and is asked for
 tighter and tighter tolerances until the residual, recomputed for all by one formula
 (tools/contact_problems.residual), is low enough; only its last, successful solve counts.
+What takes less than half a second is done five times, in rounds, and its median counts.
 The project's time holds everything: search, assembly, solution, check of the true gaps.
 Leaves bench_contacts.csv and bench_contacts.png. Times are CPU seconds of this machine;
 other work on it makes all of them longer.
@@ -140,27 +141,40 @@ def run_own(solver, scene, tol, limit):
             "warm_s": answer.figures[-1]["time"] if len(answer.figures) > 1 else ""}
 
 
+def attempt_row(solver, scene, rows, tol, limit, late, number, kind):
+    """One measurement as a dict; late: who was too slow is not asked again, here or with more disks."""
+    row = {"disks": number, "kind": kind, "solver": solver, "tolerance": tol}
+    if solver in late or (solver == "uzawa" and number > 5000):
+        row["note"] = "left out: too slow"
+    elif solver in PEERS:
+        cpu, best, steps, note = run_peer(solver, scene, rows, tol, limit)
+        row |= {"cpu_s": cpu, "residual": best, "steps": steps, "constraints": len(rows.i), "note": note}
+    else:
+        row |= run_own(solver, scene, tol, max(limit, 60))
+    if "not in" in row.get("note", "") or solver == "uzawa" and "note" in row:
+        late.add(solver)
+    return row
+
+
 def table(numbers, tolerances, kinds, peers, limit, seed=0, most=1200):
     """All measurements as dicts; each is printed as it comes."""
     found = []
     for kind in kinds:
-        late = set()  # who was too slow is not asked again, here or with more disks
+        late = set()
         for number in sorted(numbers):
             scene = packing(number, kind, seed, most=most)
             rows = constraints(scene, scene.reach(DT))
             print(f"{number} disks, {kind}: {len(rows.i)} constraints within reach of the packages", flush=True)
             for tol in tolerances:
-                for solver in ["newton", "accelerated", "uzawa", *peers]:
-                    row = {"disks": number, "kind": kind, "solver": solver, "tolerance": tol}
-                    if (solver in late) or (solver == "uzawa" and number > 5000):
-                        row["note"] = "left out: too slow"
-                    elif solver in peers:
-                        cpu, best, steps, note = run_peer(solver, scene, rows, tol, limit)
-                        row |= {"cpu_s": cpu, "residual": best, "steps": steps, "constraints": len(rows.i), "note": note}
-                    else:
-                        row |= run_own(solver, scene, tol, max(limit, 60))
-                    if "not in" in row.get("note", "") or solver == "uzawa" and "note" in row:
-                        late.add(solver)
+                solvers = ["newton", "accelerated", "uzawa", *peers]
+                rows_of = {solver: [attempt_row(solver, scene, rows, tol, limit, late, number, kind)] for solver in solvers}
+                for _ in range(4):  # what is quick, again and again in rounds
+                    for solver in solvers:
+                        if (rows_of[solver][0].get("cpu_s") or 1) < 0.5:
+                            rows_of[solver].append(attempt_row(solver, scene, rows, tol, limit, late, number, kind))
+                for solver in solvers:
+                    tries = [row for row in rows_of[solver] if row.get("cpu_s") is not None]
+                    row = sorted(tries, key=lambda row: row["cpu_s"])[len(tries) // 2] if tries else rows_of[solver][0]
                     found.append(row)
                     cost = f"{row['cpu_s']:9.3f} s" if row.get("cpu_s") is not None else "        - "
                     print(f"  {solver:12s} {tol:7.0e} {cost}  residual {row.get('residual', float('nan')):.1e}  {row.get('note', '')}", flush=True)
