@@ -263,3 +263,12 @@ for (int k = 0; k < disk.nbe; ++k) one[0] = disk.be(k).label;
 cout << "ring " << contactWallsFromMesh(disk, one) << endl;
 """)
     assert "made 3 4 0 length 1" in done.stdout and "ring 40" in done.stdout
+
+
+def test_a_heap_of_equal_disks_comes_to_rest_at_a_tight_residual(freefem, tmp_path):
+    """Lattices with more contacts than needed, whose gaps agree only to rounding."""
+    freefem("cases/falling_particles.edp", "-rmin", "0.06", "-rmax", "0.06", "-gravity", "9.81", "-dt", "0.005", "-tend", "1", "-out", tmp_path / "run")
+    motion = read_table(tmp_path / "run" / "motion.csv")
+    assert motion["kinetic_energy"][-1] < 1e-8 * motion["kinetic_energy"].max()
+    assert motion["worst_gap"].min() > -1e-10 * 0.06
+    assert motion["residual"].max() <= 1e-11
