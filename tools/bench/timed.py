@@ -31,32 +31,27 @@ macro caseStep() benchTick(); // EOM
 """
 
 
+def closing(text, start, opens, closes):
+    """The place behind the bracket that ends the one which opens at `start`."""
+    depth = 0
+    for k in range(start, len(text)):
+        depth += (text[k] == opens) - (text[k] == closes)
+        if depth == 0:
+            return k + 1
+    raise BadInput(f"a {opens} is not closed")
+
+
 def statement_end(text, start):
     """Where the statement that begins at `start` ends: behind its semicolon or closing brace."""
     at = start + len(text[start:]) - len(text[start:].lstrip())
     if text[at] == "{":
-        depth = 0
-        for k in range(at, len(text)):
-            depth += (text[k] == "{") - (text[k] == "}")
-            if depth == 0:
-                return k + 1
-        raise BadInput("a brace is not closed")
+        return closing(text, at, "{", "}")
     guard = re.compile(r"(if|for|while)\s*\(").match(text, at)
     if guard:
-        end = statement_end(text, parenthesis_end(text, guard.end() - 1))
+        end = statement_end(text, closing(text, guard.end() - 1, "(", ")"))
         other = re.compile(r"\s*else\b").match(text, end)
         return statement_end(text, other.end()) if other and guard.group(1) == "if" else end
     return text.index(";", at) + 1
-
-
-def parenthesis_end(text, start):
-    """The place behind the parenthesis that opens at `start`."""
-    depth = 0
-    for k in range(start, len(text)):
-        depth += (text[k] == "(") - (text[k] == ")")
-        if depth == 0:
-            return k + 1
-    raise BadInput("a parenthesis is not closed")
 
 
 def without_guarded(text, names):
@@ -68,7 +63,7 @@ def without_guarded(text, names):
         match = re.compile(r"\bif\s*\(").search(text, at)
         if not match:
             return text, count
-        end = parenthesis_end(text, match.end() - 1)
+        end = closing(text, match.end() - 1, "(", ")")
         condition = text[match.end():end - 1]
         if not word.search(condition) or "||" in condition and not all(word.search(part) for part in condition.split("||")) or condition.startswith("!"):
             at = match.end()

@@ -47,6 +47,14 @@ def points(axes, x, y, label):
     axes.plot(x, y, "o", markersize=3.5, markerfacecolor="white", markeredgecolor="black", markeredgewidth=0.8, label=label)
 
 
+def followed(axes, k, label, path, digitised, until):
+    """Draws a path (x, height); its largest distance from the heights digitised up to x = until."""
+    x, y = digitised
+    there = x <= until
+    axes.plot(*path, **curve(k), label=label)
+    return abs(np.interp(x[there], *path) - y[there]).max()
+
+
 def cylinder_array(context):
     """Drag on a cylinder of a square array, Stokes flow."""
     found, size = {}, 1 / 32
@@ -144,9 +152,7 @@ def shear_migration(context):
             run = context.run("cases/couette_disk.edp", {"-dt": dt, "-every": 0.5, "-length": length, "-tend": end}, f"migration_{dt:g}_{length}",
                               mesh=context.mesh("couette_disk", 1 / 32, "--length", str(length)))
             track = next(iter(run.folder.tracks.values()))
-            there = t <= end + 0.1
-            found[name] = (abs(np.interp(t[there], track["t"], track["y"]) - y[there]).max(), run.cpu_s)
-            axes.plot(track["t"], track["y"], **curve(k), label=name)
+            found[name] = (followed(axes, k, name, (track["t"], track["y"]), (t, y), end + 0.1), run.cpu_s)
         except Failed as problem:
             yield context.failed(f"drift in shear, {name}: largest distance of the heights", "Feng et al. 1994", 0, problem)
     axes.set_xlabel("t U/H")
@@ -170,9 +176,7 @@ def segre_silberberg(context):
             run = context.run("cases/segre_silberberg.edp", {"-dt": dt, "-tend": 900.0, "-every": 2.0}, f"segre_{cells}", mesh=("segre_silberberg", 0.25 / cells))
             track = next(iter(run.folder.tracks.values()))
             far = track["x"] - track["x"][0]
-            there = s <= far[-1]
-            found[name] = (track["y"][-1], abs(np.interp(s[there], far, track["y"]) - y[there]).max(), run.cpu_s)
-            axes.plot(far, track["y"], **curve(k), label=f"D/h = {cells}, dt = {dt:g}")
+            found[name] = (track["y"][-1], followed(axes, k, f"D/h = {cells}, dt = {dt:g}", (far, track["y"]), (s, y), far[-1]), run.cpu_s)
         except Failed as problem:
             yield context.failed(name + "height at the end", "Pan & Glowinski 2002", 0.2723, problem)
     axes.set_xlabel("distance travelled")
