@@ -1,6 +1,7 @@
 """A run that is killed, stopped or damaged goes on and gives the CSVs of an unbroken one."""
 import os
 import random
+import shutil
 import signal
 import subprocess
 import time
@@ -106,3 +107,30 @@ def test_two_runs_do_not_share_a_folder(mesh, tmp_path):
     finally:
         run.kill()
         run.wait()
+
+
+@pytest.mark.parametrize("case, words, tables, sums", [
+    ("cases/cylinder_channel.edp", ["-tend", "0.2", "-forces", "1", "-checkpoint", "20", "-every", "0"], ["forces.csv"], "fluid.csv"),
+    ("cases/pipe_jet.edp", ["-tend", "0.1", "-budget", "1", "-checkpoint", "3", "-cfl", "1.5", "-dt", "0.02"], ["budget.csv"], "fluid.csv"),
+    ("cases/falling_particles.edp", ["-tend", "20", "-checkpoint", "250"], ["particles.csv", "contacts.csv"], "motion.csv"),
+])
+def test_drivers_without_resolved_particles_go_on_as_well(case, words, tables, sums, coarse, tmp_path):
+    mesh = ["-mesh", coarse] if "jet" in case else []
+    run_freefem(case, *mesh, *words, "-out", tmp_path / "whole")
+    shutil.copytree(tmp_path / "whole", tmp_path / "broken", ignore=shutil.ignore_patterns(".writer"))
+    max((tmp_path / "broken").glob("restart_*.sha")).unlink()  # as if killed before it was written
+    again = run_freefem(case, *mesh, *words, "-restart", tmp_path / "broken")
+    assert "goes on from t" in again.stdout
+    for name in tables:
+        assert (tmp_path / "broken" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
+    got, expected = numbers(tmp_path / "broken", sums), numbers(tmp_path / "whole", sums)
+    for column in expected:
+        np.testing.assert_array_equal(got[column], expected[column], err_msg=column)
+
+
+def test_contacts_alone_stop_at_maxwall_and_go_on(tmp_path):
+    words = ["cases/falling_particles.edp", "-tend", "10"]
+    assert "stopped by -maxwall" in run_freefem(*words, "-out", tmp_path / "run", "-maxwall", "0.05").stdout
+    assert "complete at t = 10 s" in run_freefem(*words, "-restart", tmp_path / "run").stdout
+    moved = run_freefem("cases/falling_particles.edp", "-tend", "10", "-number", "20", "-restart", tmp_path / "run", check=False)
+    assert moved.returncode == 3 and "other options" in moved.stderr
