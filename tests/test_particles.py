@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 
+from tools import mesh
 from tools.tables import read_table
 from tools.validation.particles import started
 from tests.conftest import ROOT
@@ -153,3 +154,79 @@ def test_a_bad_list_of_particles_is_refused(freefem, tmp_path, text, words):
     file.write_text(text)
     done = freefem("cases/settling_disk.edp", "-particles", file, "-out", tmp_path / "run", check=False)
     assert done.returncode == 3 and words in done.stdout + done.stderr
+
+
+def test_nearest_points_of_an_ellipse_are_those_of_a_search(freefem_text):
+    major, minor, theta = 1.0, 0.4, 0.7
+    spots = np.random.default_rng(3).uniform(-1.2, 1.2, (40, 2))
+    spots = spots[np.hypot(*spots.T) > 0.45]  # nearer the centre two sides may be as near
+    text = f"""include "lib/ellipse.idp"
+optCase("foot", "test"); optEnd();
+bodyDisk(0, 0, 0.3, 1.); bodyEllipse(0, 0, {major}, {minor}, {theta}, 1.);
+int[int] owner({len(spots)}); real[int] d({len(spots)}), nx({len(spots)}), ny({len(spots)});
+owner = 1;
+real[int] rx = [{", ".join(repr(float(x)) for x in spots[:, 0])}], ry = [{", ".join(repr(float(y)) for y in spots[:, 1])}];
+ellipseFoot(owner, rx, ry, d, nx, ny);
+cout.precision(12);
+for (int k = 0; k < d.n; ++k) cout << "foot " << d[k] << " " << nx[k] << " " << ny[k] << endl;
+"""
+    found = rows(freefem_text(text).stdout, "foot")
+    q = np.linspace(0, 2 * np.pi, 400001)
+    turn = np.array([[np.cos(theta), -np.sin(theta)], [np.sin(theta), np.cos(theta)]])
+    edge = turn @ [major * np.cos(q), minor * np.sin(q)]
+    normal = turn @ [np.cos(q) / major, np.sin(q) / minor]
+    normal /= np.hypot(*normal)
+    local = turn.T @ spots.T
+    inside = np.hypot(local[0] / major, local[1] / minor) < 1
+    for k, spot in enumerate(spots):
+        far = np.hypot(*(edge.T - spot).T)
+        at = far.argmin()
+        assert found[k, 0] == pytest.approx(-far[at] if inside[k] else far[at], abs=1e-6)
+        assert found[k, 1:] == pytest.approx(normal[:, at], abs=1e-3)
+
+
+def test_an_ellipse_turns_as_jeffery_says(freefem, coarse_shear, tmp_path):
+    freefem("cases/ellipse_in_shear.edp", "-mesh", coarse_shear, "-major", 0.05, "-reynolds", 0.2, "-dt", 0.01, "-tend", 2, "-out", tmp_path / "run")
+    table = read_table(tmp_path / "run" / "particles.csv")
+    late = table["t"] > 0.3  # it starts at rest
+    exact = -(4 * np.sin(table["theta"]) ** 2 + np.cos(table["theta"]) ** 2) / 5
+    assert abs(table["omega"] - exact)[late].max() < 0.02
+    assert abs(table["y"] - 0.5).max() < 1e-3
+    shapes = read_table(tmp_path / "run" / "shapes.csv")
+    assert shapes["major"][0] == 0.05 and shapes["minor"][0] == 0.025
+
+
+@pytest.fixture(scope="module")
+def coarse_shear(tmp_path_factory):
+    path = tmp_path_factory.mktemp("shear") / "shear.mesh"
+    mesh.write(mesh.make(mesh.parser().parse_args(["ellipse_in_shear", "--size", "0.00625", "--core", "0.13", "--out", str(path)]))[0], path)
+    return path
+
+
+def test_a_nearly_round_ellipse_falls_as_a_disk(freefem_text, tmp_path):
+    case = (ROOT / "cases" / "settling_disk.edp").read_text()
+    place = case[case.index("bodyDisk("):case.index(";", case.index("bodyDisk(")) + 1]
+    x, y, radius, density = place[9:-2].split(",")
+    falls = []
+    for name, body in (("disk", place), ("ellipse", f"bodyEllipse({x}, {y}, {radius}, {radius}*(1 - 1e-9), 0.4, {density});")):
+        freefem_text(case.replace(place, body), "-tend", 0.05, "-out", tmp_path / name)
+        falls.append(read_table(tmp_path / name / "particles.csv"))
+    np.testing.assert_allclose(falls[1]["v"], falls[0]["v"], rtol=1e-4)
+    np.testing.assert_allclose(falls[1]["y"], falls[0]["y"], rtol=1e-6)
+
+
+def test_nonsense_ellipses_are_refused(freefem_text):
+    text = 'include "lib/bodies.idp"\noptCase("bad", "test"); optEnd();\nbodyEllipse(0, 0, 0.1, 0.2, 0, 1.);\n'
+    done = freefem_text(text, check=False)
+    assert done.returncode == 3 and "semi-axes" in done.stderr
+
+
+def test_momentum_and_energy_of_a_falling_disk_balance(freefem, tmp_path):
+    found = []
+    for dt in (0.005, 0.0025):
+        freefem("cases/settling_disk.edp", "-budget", 1, "-dt", dt, "-tend", 0.3, "-out", tmp_path / f"run{dt}")
+        b = read_table(tmp_path / f"run{dt}" / "budget.csv")
+        found.append(abs(b["momentum_y"] - b["walls_y"] - b["weight_y"]).max() / abs(b["weight_y"][-1]))
+        assert b["walls_y"][-1] > 0.05 * abs(b["weight_y"][-1])
+        assert abs(b["kinetic_energy"] - b["work"] + b["dissipated"])[-1] < 0.08 * b["work"][-1]
+    assert found[0] < 0.01 and found[1] < 0.7 * found[0]

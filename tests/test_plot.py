@@ -111,7 +111,7 @@ def test_what_a_run_does_not_hold_is_said(tmp_path, capsys):
 
 def test_particles_are_where_the_rows_say(run):
     t = run.particles["t"][500]
-    ids, x, y, theta, radius = run.particles_at(t)
+    ids, x, y, theta, radius, minor = run.particles_at(t)
     here = run.particles["t"] == t
     assert np.array_equal(ids, run.particles["id"][here])
     assert np.allclose(x, run.particles["x"][here]) and np.allclose(radius, run.particles["radius"][here])

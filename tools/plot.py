@@ -104,7 +104,7 @@ def plot_trajectories(run, path):
         colour = LINE_MAP(scale(diameter))
         for piece in broken(track, run.extent):
             axes.plot(piece[:, 0], piece[:, 1], color=colour, linewidth=1.1, alpha=0.9, zorder=3, solid_capstyle="round")
-        ends.append([0] + [track[name][-1] for name in ("x", "y", "theta", "radius")])
+        ends.append([0] + [track[name][-1] for name in ("x", "y", "theta", "radius")] + [track["radius"][-1] * run.aspect(track["id"][0])])
     disks, _ = particle_artists(axes, np.array(ends).T, zorder=5)
     disks.set_facecolor(LINE_MAP(scale(diameters)))
     disks.set_alpha(0.75)

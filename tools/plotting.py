@@ -9,7 +9,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.collections import LineCollection, PatchCollection  # noqa: E402
-from matplotlib.patches import Circle  # noqa: E402
+from matplotlib.patches import Ellipse  # noqa: E402
 
 from tools.mesh_files import OPEN, SOLID, chains  # noqa: E402
 
@@ -112,13 +112,13 @@ def draw_outline(axes, mesh):
 
 
 def particle_artists(axes, particles, zorder=5):
-    """Particles as neutral disks, each with a line from its centre to the rim at theta.
-    particles: (id, x, y, theta, radius) arrays. Returns the artists, for removal."""
-    _, x, y, theta, radius = particles
+    """Particles as neutral disks or ellipses, each with a line from its centre to the rim at theta.
+    particles: (id, x, y, theta, radius, minor) arrays. Returns the artists, for removal."""
+    _, x, y, theta, radius, minor = particles
     if not len(x):
         return []
     # The rim is drawn inside, so that a thick pen does not make touching disks overlap.
-    disks = PatchCollection([Circle((a, b), r) for a, b, r in zip(x, y, radius)],
+    disks = PatchCollection([Ellipse((a, b), 2 * r, 2 * s, angle=np.degrees(t)) for a, b, t, r, s in zip(x, y, theta, radius, minor)],
                             facecolor=BODY, edgecolor=BODY_EDGE, linewidth=0.6, zorder=zorder)
     ends = np.stack([np.column_stack([x, y]),
                      np.column_stack([x + radius * np.cos(theta), y + radius * np.sin(theta)])], axis=1)

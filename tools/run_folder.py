@@ -79,6 +79,15 @@ class RunFolder:
         return self._with("particles", ("t", "id", "x", "y", "theta", "radius"))
 
     @cached_property
+    def _aspects(self):
+        shapes = self.table("shapes") if self.has("shapes") else {"id": [], "major": [], "minor": []}
+        return {int(one): minor / major for one, major, minor in zip(shapes["id"], shapes["major"], shapes["minor"])}
+
+    def aspect(self, one):
+        """Minor over major axis of the particle with this id: 1 for a disk."""
+        return self._aspects.get(int(one), 1.0)
+
+    @cached_property
     def fluid(self):
         """fluid.csv: one row per output time."""
         return self._with("fluid", ("t",))
@@ -142,7 +151,7 @@ class RunFolder:
                 for one, rows in zip(ids, parts)}
 
     def particles_at(self, time):
-        """(id, x, y, theta, radius) arrays of the particles inside at a time, linear in time
+        """(id, x, y, theta, radius, minor) arrays of the particles inside at a time, linear in time
         between rows; across the seam of a periodic domain the nearer row is taken."""
         rows = []
         slack = 1e-5 * abs(time)  # times in fields.pvd may have six digits
@@ -161,8 +170,8 @@ class RunFolder:
             if any(abs(track[c][high] - track[c][low]) > 0.5 * w for c, w in zip("xy", widths)):
                 share = round(share)
             rows.append([one] + [(1 - share) * track[c][low] + share * track[c][high]
-                                 for c in ("x", "y", "theta", "radius")])
-        return np.array(rows, dtype=float).reshape(-1, 5).T
+                                 for c in ("x", "y", "theta", "radius")] + [track["radius"][0] * self.aspect(one)])
+        return np.array(rows, dtype=float).reshape(-1, 6).T
 
     @cached_property
     def extent(self):

@@ -41,5 +41,5 @@ CASES = {
     "cylinder_array": (periodic_box, {"size": 1 / 32}),
     "couette_disk": (couette, {"size": 1 / 32}),
     "segre_silberberg": (couette, {"size": 1 / 32}),
-    "ellipse_in_shear": (couette, {"length": 2.0, "size": 1 / 32}),
+    "ellipse_in_shear": (couette, {"length": 2.0, "size": 1 / 80, "core": 0.3}),
 }

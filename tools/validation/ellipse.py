@@ -1,0 +1,96 @@
+"""Ellipses in a shear flow, and budgets of momentum and energy in a closed box.
+
+Jeffery (Proc. R. Soc. A 102, 1922): without inertia and far from walls an ellipse of aspect ratio r
+turns with omega = -G (r^2 sin^2 theta + cos^2 theta)/(r^2 + 1), theta the angle of its major axis to
+the flow, so that half a turn takes pi (r + 1/r)/G. Aidun, Lu and Ding (J. Fluid Mech. 373, 1998):
+4 G a^2/nu = 1 between near walls, lattice Boltzmann, digitised.
+"""
+import numpy as np
+
+from tools.plotting import PAGE_WIDTH, curve, plt, save
+from tools.validation import Failed
+from tools.validation.particles import axes_of, points, reference
+
+
+def half_turn(track):
+    """Time at which the ellipse has turned by pi from its start."""
+    return float(np.interp(np.pi, track["theta"][0] - track["theta"], track["t"]))
+
+
+def ellipse_in_shear(context):
+    """Jeffery's period at low Reynolds number, and the ellipse of Aidun et al."""
+    aspect = 2
+    exact = np.pi * (aspect + 1 / aspect)
+    for reynolds, size in ((0.1, 0.00625), (0.1, 0.0125)):
+        name = f"ellipse, Reynolds number {reynolds:g}, semi-axes H/20 and H/40, {0.05 / size:g} elements across: half a period times G"
+        try:
+            run = context.run("cases/ellipse_in_shear.edp", {"-major": 0.05, "-reynolds": reynolds, "-dt": 0.01, "-tend": 9.0}, f"jeffery_{size:g}",
+                              mesh=context.mesh("ellipse_in_shear", size, "--core", "0.13"))
+            yield context.row(name, "Jeffery 1922", exact, half_turn(next(iter(run.folder.tracks.values()))), rtol=0.01, cpu_s=run.cpu_s)
+        except Failed as problem:
+            yield context.failed(name, "Jeffery 1922", exact, problem)
+    figure, axes = axes_of()
+    t, omega = reference("ellipse_in_shear_aidun1998")
+    points(axes, t, omega, "Aidun et al. 1998")
+    found = {}
+    for k, (size, dt) in enumerate(((0.0125, 0.01), (0.00625, 0.005))):
+        name = f"ellipse, Reynolds number 1, {0.1 / size:g} elements across: "
+        try:
+            run = context.run("cases/ellipse_in_shear.edp", {"-dt": dt}, f"aidun_{size:g}", mesh=context.mesh("ellipse_in_shear", size, "--core", "0.3"))
+            track = next(iter(run.folder.tracks.values()))
+            axes.plot(track["t"], -track["omega"], **curve(k), label=f"{0.1 / size:g} elements across")
+            late = (track["t"] > 6) & (track["t"] < 9.5)
+            found[name] = (track["t"][late][(-track["omega"])[late].argmax()], abs(np.interp(t, track["t"], -track["omega"]) - omega).max(), run.cpu_s)
+        except Failed as problem:
+            yield context.failed(name + "angular velocity", "Aidun et al. 1998", float("nan"), problem)
+    axes.set_xlabel("G t")
+    axes.set_ylabel("-omega/G")
+    axes.legend(loc="best")
+    path = save(figure, context.figure_path("aidun"))
+    published = np.polyfit(t[14:17] - 8, omega[14:17], 2)
+    peak = 8 - 0.5 * published[1] / published[0]  # of the parabola through the three points there
+    for name, (top, distance, cpu) in found.items():
+        yield context.row(name + "time of the second maximum, G t", "Aidun et al. 1998", peak, top, rtol=0.02, cpu_s=cpu, figure=path)
+        yield context.row(name + "largest distance from the curve, over G", "Aidun et al. 1998", 0, distance, at_most=0.05, cpu_s=cpu, figure=path)
+
+
+def missing(run):
+    """(momentum that is missing over the weight's impulse, energy over the work), at the worst time."""
+    b = run.folder.table("budget")
+    weight = np.hypot(b["weight_x"][-1], b["weight_y"][-1])
+    momentum = max(np.hypot(b["momentum_x"] - b["walls_x"] - b["weight_x"], b["momentum_y"] - b["walls_y"] - b["weight_y"])) / weight
+    return momentum, max(abs(b["kinetic_energy"] - b["work"] + b["dissipated"])) / b["work"][-1]
+
+
+def budgets(context):
+    """Momentum and energy of a disk that falls in a closed box, over element size and time step."""
+    figure, panels = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.8), layout="constrained")
+    found = {}
+    for cells, dt in ((4, 0.005), (4, 0.0025), (4, 0.00125), (8, 0.00125), (12, 0.00125)):
+        try:
+            run = context.run("cases/settling_disk.edp", {"-budget": 1, "-dt": dt, "-tend": 0.3, "-every": 0.01}, f"budget_{cells}_{dt:g}", mesh=("settling_disk", 0.25 / cells))
+            found[cells, dt] = (*missing(run), run.cpu_s)
+        except Failed as problem:
+            yield context.failed(f"budgets, D/h = {cells}, dt = {dt:g}", "conservation", 0, problem)
+    steps = [key for key in found if key[0] == 4]
+    sizes = [key for key in found if key[1] == 0.00125]
+    panels[0].loglog([dt for _, dt in steps], [found[key][0] for key in steps], **curve(0), marker="o")
+    panels[0].set_xlabel("time step (s), D/h = 4")
+    panels[0].set_ylabel("momentum missing / impulse of the weight")
+    panels[1].loglog([1 / cells for cells, _ in sizes], [found[key][1] for key in sizes], **curve(1), marker="s")
+    panels[1].set_xlabel("element size / D, dt = 0.00125 s")
+    panels[1].set_ylabel("energy missing / work of the weight")
+    for axes in panels:
+        axes.grid(True, which="both")
+    path = save(figure, context.figure_path("budgets"))
+    for (cells, dt), (momentum, energy, cpu) in found.items():
+        where = f"closed box, D/h = {cells}, dt = {dt:g} s: "
+        yield context.row(where + "momentum missing over the weight's impulse", "conservation", 0, momentum, at_most=0.005, cpu_s=cpu, figure=path)
+        yield context.row(where + "energy missing over the work", "conservation", 0, energy, at_most=0.25 / cells, cpu_s=cpu, figure=path)
+    if len(steps) == 3:
+        yield context.row("closed box: order of the missing momentum in dt", "scheme: 1", 1, np.log2(found[steps[0]][0] / found[steps[2]][0]) / 2, at_least=0.7, figure=path)
+    if len(sizes) == 3:
+        yield context.row("closed box: order of the missing energy in h", "gradients at a cut edge: 1", 1, np.log(found[sizes[0]][1] / found[sizes[2]][1]) / np.log(3), at_least=0.7, figure=path)
+
+
+VALIDATIONS = [ellipse_in_shear, budgets]
