@@ -138,6 +138,11 @@ def test_published_and_standard_scheme_agree_roughly(freefem, tmp_path):
     assert published["v"][-1] == pytest.approx(standard["v"][-1], rel=0.25)
 
 
+def test_a_disk_without_nodes_is_refused(freefem, tmp_path):
+    done = freefem("cases/settling_disk.edp", "-diameter", "0.025", "-tend", "0.01", "-out", tmp_path / "run", check=False)
+    assert done.returncode == 5 and "elements across" in done.stderr and not (tmp_path / "run").exists()
+
+
 def test_a_disk_of_two_elements_is_warned_of_and_runs(freefem, tmp_path):
     done = freefem("cases/settling_disk.edp", "-diameter", "0.12", "-tend", "0.01", "-out", tmp_path / "run")
     assert "fewer than 2 elements" in done.stdout + done.stderr
