@@ -84,7 +84,7 @@ matrix B = form(Wh, Wh);
 real worst = 0, most = 0;
 for (int k = 0; k < 5; ++k) {
     Wh u = cos(k*x + 2*y) + k*x*x;
-    real[int] first = A*u[], second = B*u[];
+    real[int] first = A'*u[], second = B*u[];
     most = max(most, second.linfty);
     first -= second;
     worst = max(worst, first.linfty);
