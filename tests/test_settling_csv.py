@@ -1,7 +1,7 @@
 """A settling disk against a CSV of its own past: the pattern for a test of one's own case.
 
 tests/data/settling_disk_short/particles.csv was written by
-    FreeFem++ -nw cases/settling_disk.edp -tend 0.1 -every 0.01 -out tests/data/settling_disk_short
+    FreeFem++ -nw cases/settling_disk.edp -tolerance 1e-5 -tend 0.1 -every 0.01 -out tests/data/settling_disk_short
 and judged then by tools.validate (mean velocity within 0.4 % of a body-fitted computation).
 """
 from conftest import ROOT
@@ -11,13 +11,13 @@ REFERENCE = ROOT / "tests" / "data" / "settling_disk_short" / "particles.csv"
 
 
 def test_the_settling_disk_still_falls_as_it_did(freefem, run_folder):
-    freefem("cases/settling_disk.edp", "-tend", "0.1", "-every", "0.01", "-out", run_folder)
+    freefem("cases/settling_disk.edp", "-tolerance", "1e-5", "-tend", "0.1", "-every", "0.01", "-out", run_folder)
     result = compare(run_folder / "particles.csv", REFERENCE, columns={"y": 1e-6, "v": 1e-4})
     assert result, result
 
 
 def test_the_comparison_sees_another_fluid(freefem, run_folder):
-    freefem("cases/settling_disk.edp", "-tend", "0.1", "-every", "0.01", "-mu", "0.101", "-out", run_folder)
+    freefem("cases/settling_disk.edp", "-tolerance", "1e-5", "-tend", "0.1", "-every", "0.01", "-mu", "0.101", "-out", run_folder)
     assert not compare(run_folder / "particles.csv", REFERENCE, columns={"y": 1e-6, "v": 1e-4})
 
 
