@@ -235,3 +235,10 @@ def test_momentum_and_energy_of_a_falling_disk_balance(freefem, tmp_path):
         assert b["walls_y"][-1] > 0.05 * abs(b["weight_y"][-1])
         assert abs(b["kinetic_energy"] - b["work"] + b["dissipated"])[-1] < 0.08 * b["work"][-1]
     assert found[0] < 0.01 and found[1] < 0.7 * found[0]
+
+
+def test_the_torque_on_a_turning_cylinder_is_the_exact_one(freefem, tmp_path):
+    """4 pi mu omega R^2, at 8 elements across."""
+    out = freefem("cases/rotating_cylinder.edp", "-out", tmp_path / "run").stdout
+    ratio = float(next(line for line in out.splitlines() if line.startswith("torque")).split(":")[1])
+    assert ratio == pytest.approx(1, abs=0.005)

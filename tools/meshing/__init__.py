@@ -35,6 +35,7 @@ CASES = {
     "couette": (couette, {}),
     "settling_disk": (box, {}),
     "drafting_kissing_tumbling": (box, {"size": 1 / 24, "pattern": "alternating"}),  # symmetric about the line of fall
+    "rotating_cylinder": (box, {"width": 1.0, "height": 1.0, "size": 1 / 22}),
     "poiseuille": (channel, {"size": 1 / 8}),
     "cylinder_between_plates": (channel, {"length": 8.0, "size": 1 / 16}),
     "taylor_green": (periodic_box, {}),
