@@ -152,8 +152,11 @@ class RunFolder:
 
     def particles_at(self, time):
         """(id, x, y, theta, radius, minor) arrays of the particles inside at a time, linear in time
-        between rows; across the seam of a periodic domain the nearer row is taken."""
-        rows = []
+        between rows; across the seam of a periodic domain the nearer row is taken, and before the
+        first row of the run this one for who was there from the start."""
+        rows, begin = [], min((track["t"][0] for track in self.tracks.values()), default=0.0)
+        if self.has("fluid") and len(self.fluid["t"]) and begin <= self.fluid["t"][0]:
+            time = max(time, begin)
         slack = 1e-5 * abs(time)  # times in fields.pvd may have six digits
         widths = self.extent[2:] if self.mesh is not None else (np.inf, np.inf)
         for one, track in self.tracks.items():
