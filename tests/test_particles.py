@@ -79,7 +79,8 @@ cout << "force " << ku.linfty << endl;
         reach = r + k * size
         px, py = x0 + reach * nx, y0 + reach * ny
         return -ny * (3 * py - 1 - 0.3) + nx * (2 * px + 0.2) - 0.7 * reach
-    g = depth * (-2 * slip(1) / size + slip(2) / (2 * size))
+    deep = depth / size  # the parabola through both slips and 0 at the edge, at -depth
+    g = deep * (-(deep + 2) * slip(1) + (deep + 1) * slip(2) / 2)
     assert len(g) > 50 and depth.min() > 0
     np.testing.assert_allclose(gu, -ny * g, atol=1e-8)
     np.testing.assert_allclose(gv, nx * g, atol=1e-8)
