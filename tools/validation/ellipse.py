@@ -17,6 +17,15 @@ def half_turn(track):
     return float(np.interp(np.pi, track["theta"][0] - track["theta"], track["t"]))
 
 
+def lateness(track, t, omega):
+    """The shift in time that brings the run nearest to the published points about the second
+    maximum (which are too far apart to show where it lies), over the time of half a turn."""
+    near = (t > 6) & (t < 9.5)
+    shifts = np.linspace(-0.5, 0.5, 1001)
+    off = [np.square(np.interp(t[near] + shift, track["t"], -track["omega"]) - omega[near]).sum() for shift in shifts]
+    return shifts[int(np.argmin(off))] / half_turn(track)
+
+
 def ellipse_in_shear(context):
     """Jeffery's period at low Reynolds number, and the ellipse of Aidun et al."""
     aspect = 2
@@ -39,18 +48,15 @@ def ellipse_in_shear(context):
             run = context.run("cases/ellipse_in_shear.edp", {"-dt": dt}, f"aidun_{size:g}", mesh=context.mesh("ellipse_in_shear", size, "--core", "0.3"))
             track = next(iter(run.folder.tracks.values()))
             axes.plot(track["t"], -track["omega"], **curve(k), label=f"{0.1 / size:g} elements across")
-            late = (track["t"] > 6) & (track["t"] < 9.5)
-            found[name] = (track["t"][late][(-track["omega"])[late].argmax()], abs(np.interp(t, track["t"], -track["omega"]) - omega).max(), run.cpu_s)
+            found[name] = (lateness(track, t, omega), abs(np.interp(t, track["t"], -track["omega"]) - omega).max(), run.cpu_s)
         except Failed as problem:
             yield context.failed(name + "angular velocity", "Aidun et al. 1998", float("nan"), problem)
     axes.set_xlabel("G t")
     axes.set_ylabel("-omega/G")
     axes.legend(loc="best")
     path = save(figure, context.figure_path("aidun"))
-    published = np.polyfit(t[14:17] - 8, omega[14:17], 2)
-    peak = 8 - 0.5 * published[1] / published[0]  # of the parabola through the three points there
-    for name, (top, distance, cpu) in found.items():
-        yield context.row(name + "time of the second maximum, G t", "Aidun et al. 1998", peak, top, rtol=0.02, cpu_s=cpu, figure=path)
+    for name, (late, distance, cpu) in found.items():
+        yield context.row(name + "how late it is half a turn on, over the time of that", "Aidun et al. 1998", 0, late, atol=0.02, cpu_s=cpu, figure=path)
         yield context.row(name + "largest distance from the curve, over G", "Aidun et al. 1998", 0, distance, at_most=0.05, cpu_s=cpu, figure=path)
 
 
@@ -76,16 +82,19 @@ def budgets(context):
     sizes = [key for key in found if key[1] == 0.00125]
     panels[0].loglog([dt for _, dt in steps], [found[key][0] for key in steps], **curve(0), marker="o")
     panels[0].set_xlabel("time step (s), D/h = 4")
-    panels[0].set_ylabel("momentum missing / impulse of the weight")
+    panels[0].set_ylabel("momentum missing\n(of the weight's impulse)")
+    panels[0].set_xticks([dt for _, dt in steps], [f"{dt:g}" for _, dt in steps])
     panels[1].loglog([1 / cells for cells, _ in sizes], [found[key][1] for key in sizes], **curve(1), marker="s")
     panels[1].set_xlabel("element size / D, dt = 0.00125 s")
-    panels[1].set_ylabel("energy missing / work of the weight")
+    panels[1].set_ylabel("energy missing\n(of the weight's work)")
+    panels[1].set_xticks([1 / cells for cells, _ in sizes], [f"1/{cells}" for cells, _ in sizes])
     for axes in panels:
-        axes.grid(True, which="both")
+        axes.minorticks_off()
+        axes.grid(True)
     path = save(figure, context.figure_path("budgets"))
     for (cells, dt), (momentum, energy, cpu) in found.items():
         where = f"closed box, D/h = {cells}, dt = {dt:g} s: "
-        yield context.row(where + "momentum missing over the weight's impulse", "conservation", 0, momentum, at_most=0.005, cpu_s=cpu, figure=path)
+        yield context.row(where + "momentum missing over the weight's impulse", "conservation", 0, momentum, at_most=2 * dt, cpu_s=cpu, figure=path)
         yield context.row(where + "energy missing over the work", "conservation", 0, energy, at_most=0.25 / cells, cpu_s=cpu, figure=path)
     if len(steps) == 3:
         yield context.row("closed box: order of the missing momentum in dt", "scheme: 1", 1, np.log2(found[steps[0]][0] / found[steps[2]][0]) / 2, at_least=0.7, figure=path)
