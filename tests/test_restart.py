@@ -13,7 +13,8 @@ from conftest import FREEFEM, ROOT, run_freefem
 
 CASE = "cases/pipe_obstacles.edp"
 SCENE = ["-number", "12", "-first", "0", "-interval", "0.01", "-ramp", "0.05", "-every", "0"]
-WHOLE = [*SCENE, "-tend", "0.12", "-checkpoint", "20", "-fields", "0.04"]
+OFTEN = ["-checkpoint", "20", "-fields", "0.04"]
+WHOLE = [*SCENE, "-tend", "0.12", *OFTEN]
 
 
 @pytest.fixture(scope="module")
@@ -42,9 +43,9 @@ def assert_same(folder, unbroken):
         np.testing.assert_array_equal(got[column], expected[column], err_msg=column)
 
 
-def start(folder, mesh):
+def start(folder, mesh, words=WHOLE):
     """The run in the background, and a wait until its second checkpoint is there."""
-    command = [FREEFEM, "-nw", CASE, *mesh, *WHOLE, "-out", str(folder)]
+    command = [FREEFEM, "-nw", CASE, *mesh, *words, "-out", str(folder)]
     run = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, env=os.environ | {"OPENBLAS_NUM_THREADS": "1"})
     deadline = time.time() + 200
     while not (folder / "restart_000000040.sha").exists():
@@ -55,7 +56,7 @@ def start(folder, mesh):
 
 def test_a_killed_run_goes_on_to_the_same_result(mesh, unbroken, tmp_path):
     run = start(tmp_path / "run", mesh)
-    time.sleep(random.Random(os.getpid()).uniform(0, 0.4))
+    time.sleep(random.Random(os.getpid()).uniform(0, 0.1))
     run.send_signal(signal.SIGKILL)
     run.wait()
     for name in ("particles.csv", "fluid.csv"):
@@ -100,7 +101,7 @@ def test_what_cannot_go_on_is_refused(mesh, unbroken, tmp_path):
 
 
 def test_two_runs_do_not_share_a_folder(mesh, tmp_path):
-    run = start(tmp_path / "run", mesh)
+    run = start(tmp_path / "run", mesh, [*SCENE, "-tend", "20", *OFTEN])  # longer than the second takes to start
     try:
         second = run_freefem(CASE, *mesh, *WHOLE, "-out", tmp_path / "run", "-overwrite", "1", check=False)
         assert second.returncode == 3 and "another run is writing" in second.stderr
