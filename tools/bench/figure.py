@@ -17,7 +17,7 @@ STYLES = {
 SHORT = {("flow", "2d1"): "DFG 2D-1, drag", ("flow", "2d2"): "DFG 2D-2, worst of three", ("particles", "settling"): "settling disk, velocity",
          ("particles", "turning"): "disk in shear, rotation", ("transport", "spheres"): "1,000 carried spheres", ("transport", "step"): "carried spheres",
          ("contacts", "number"): "contacts", ("scaling", "unknowns"): "settling disk", ("scaling", "particles"): "disks in the pipe"}
-SHORT = {"contacts of carried spheres": "contacts, spheres", "contacts of spheres far apart": "used, far apart"}
+FEATURES = {"contacts of carried spheres": "contacts, spheres", "contacts of spheres far apart": "used, far apart"}
 SIZES = {"number": "disks", "step": "spheres", "unknowns": "unknowns", "particles": "disks (0 drawn at 0.3)"}
 
 
@@ -82,7 +82,7 @@ def draw_skipped(axes, skipped):
     axes.set_xlim(1.2 * low, 1.2 * high)
     axes.set_xticks([t for t in (-100, -20, -5, -1, 1, 5, 20, 100) if 1.2 * low <= t <= 1.2 * high])
     axes.xaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
-    axes.set_yticks(range(len(some)), [SHORT.get(s.name, s.name) for s in some])
+    axes.set_yticks(range(len(some)), [FEATURES.get(s.name, s.name) for s in some])
     axes.invert_yaxis()
     axes.set_xlabel("time of a step, more than\nwithout the feature (%); target 1")
     axes.set_title("features that are not used")
