@@ -87,6 +87,38 @@ cout << "force " << ku.linfty << endl;
     assert rows(out, "force")[0, 0] < 1e-12  # the force is -mu K g
 
 
+def test_a_linear_pressure_goes_with_the_disks_that_moved(freefem_text):
+    """p = 2 x - y: its gradient is exact, so the vertices round a disk change by -d.grad p, the others not."""
+    disks, moved = [(0.3, 0.4, 0.127), (0.7, 0.65, 0.11)], [(0.01, -0.004), (-0.006, 0.003)]
+    text = script(disks, more=f"""
+bodyMoved = [{moved[0][0]}, {moved[1][0]}, {moved[0][1]}, {moved[1][1]}, 0.3, -0.2];
+pressureSetUp(1);
+Qh px = x, py = y, p = 2*x - y;
+flowP = p[];
+pressureCarry();
+for (int k = 0; k < flowNq; ++k) cout << "vertex " << px[][k] << " " << py[][k] << " " << flowP[k] - p[][k] << endl;
+""").replace('include "lib/ghost.idp"', """int withConvection = 0, withGhost = 1;
+real stabilise = 0, momentumTolerance = 1e-5;
+include "lib/pressure.idp\"""")
+    x, y, change = rows(freefem_text(text).stdout, "vertex").T
+    far = np.array([np.hypot(x - a, y - b) / r for a, b, r in disks])
+    for k, (d, (_, _, r)) in enumerate(zip(moved, disks)):
+        near = far[k] < 1 + 1.5 / 16 / r
+        shift = -(2 * d[0] - d[1])
+        np.testing.assert_allclose(change[far[k] < 1], shift, atol=1e-12)
+        assert (np.isclose(change[near], shift, atol=1e-12) | (change[near] == 0)).all()
+    assert (change[(far * np.array([[0.127], [0.11]]) > np.array([[0.127], [0.11]]) + 1.5 / 16).all(axis=0)] == 0).all()
+
+
+def test_the_fall_hardly_depends_on_the_time_step(freefem, tmp_path):
+    """Mean velocity over 0.3 to 0.4 s with steps of 0.2 and 0.4 elements; with the pressure left behind they differ by 1.1 %."""
+    fall = []
+    for dt in (0.0025, 0.005):
+        run = run_case(freefem, tmp_path / f"run{dt}", "settling_disk", "-dt", dt, "-tend", "0.4")
+        fall.append(np.interp(0.3, run["t"], run["y"]) - run["y"][-1])
+    assert fall[0] == pytest.approx(fall[1], rel=0.005)
+
+
 def run_case(freefem, folder, case, *args):
     freefem(f"cases/{case}.edp", "-out", folder, *args)
     return read_table(folder / "particles.csv")
