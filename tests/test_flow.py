@@ -192,6 +192,18 @@ def test_steady_cylinder_on_a_coarse_mesh(meshes, run_folder):
     assert value(run_folder, "factorisations") <= 10
 
 
+@pytest.mark.parametrize("case", ["cylinder_steady", "cavity"])
+def test_a_coarse_mesh_first_leads_to_the_same_flow(case, meshes, tmp_path):
+    """As the residual says in both, with half the factorisations on the mesh itself or fewer."""
+    small = mesh(meshes, case, "--size", 0.1 if case == "cylinder_steady" else 1 / 24)
+    for ratio in (0, 4):
+        run_freefem(f"cases/{case}.edp", "-mesh", small, "-coarse", ratio, "-out", tmp_path / f"r{ratio}")
+    names = ["drag_coefficient", "pressure_difference"] if case == "cylinder_steady" else ["u_least", "v_most", "v_least"]
+    for name in names:
+        assert value(tmp_path / "r4", name) == pytest.approx(value(tmp_path / "r0", name), rel=1e-8)
+    assert 2 * value(tmp_path / "r4", "factorisations") <= value(tmp_path / "r0", "factorisations")
+
+
 def test_expansion_is_stable_below_the_critical_reynolds_number(meshes, tmp_path):
     coarse = mesh(meshes, "sudden_expansion", "--size", 1 / 6, "--outlet-length", 20, "--stretch", 1.1)
     for reynolds in (30, 55):

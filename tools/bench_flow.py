@@ -40,9 +40,7 @@ REFERENCE = {
 }
 # Of this suite: words for tools.mesh, options of the case.
 LEVELS = {
-    "2d1": [(["cylinder_steady", "--size", "0.12", "--circle-points", "24", "--growth", "0.2"], {}),
-            (["cylinder_steady", "--size", "0.1", "--circle-points", "40", "--growth", "0.15"], {}),
-            (["cylinder_steady"], {})],
+    "2d1": [(["cylinder_steady", "--size", "0.12", "--circle-points", str(n), "--growth", "0.15", "--wake-growth", "0.15"], {}) for n in (24, 40, 64)],
     "2d2": [(["cylinder_channel", "--circle-points", "24"], {"-dt": 0.004}),
             (["cylinder_channel"], {}),
             (["cylinder_channel", "--size", "0.08", "--circle-points", "48", "--growth", "0.07", "--wake-growth", "0.03"],
