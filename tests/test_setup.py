@@ -146,6 +146,14 @@ def test_a_second_setup_takes_less_than_two_seconds():
     assert time.monotonic() - start < 2
 
 
+def test_setup_in_the_activated_environment_leaves_it_alone():
+    if not (ROOT / ".venv/complete").is_file():
+        pytest.skip("the environment of this run was not made by make setup")
+    path = f"{ROOT}/.venv/bin:{os.environ['PATH']}"
+    run = subprocess.run([ROOT / "tools/setup.sh", "--check"], env=os.environ | {"FREEFEM": FREEFEM, "PATH": path}, capture_output=True, text=True, timeout=60)
+    assert run.returncode == 0 and run.stdout == ""
+
+
 def test_make_help_names_every_target():
     text = (ROOT / "Makefile").read_text()
     targets = re.search(r"^\.PHONY:(.*)$", text, flags=re.M).group(1).split()

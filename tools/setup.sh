@@ -13,6 +13,10 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 freefem=${FREEFEM:-FreeFem++}
 python=${PYTHON:-python3}
+# In an activated .venv that is the copy in .venv itself: the one it was made from is meant.
+if [[ $(command -v "$python") == "$PWD/.venv/"* ]]; then
+    python=$("$python" -c "import sys; print(sys._base_executable)" 2>/dev/null || echo /usr/bin/python3)
+fi
 stamp=.venv/complete
 freefem_packages="freefem++ libfreefem++ libfreefem++-dev libopenblas0-pthread"
 # soname and package of each library the gmsh wheel links to
@@ -49,7 +53,7 @@ missing_packages() {
 
 # What the virtual environment was made from: the pins, the interpreter and this folder.
 fingerprint() {
-    { cat tools/requirements.txt; "$python" --version; command -v "$python"; pwd -P; } | sha256sum | cut -c1-64
+    { cat tools/requirements.txt; "$python" -c "import os, sys; print(sys.version, os.path.realpath(sys._base_executable))"; pwd -P; } | sha256sum | cut -c1-64
 }
 
 environment_is_complete() {

@@ -197,7 +197,7 @@ def drafting_kissing_tumbling(context):
     for k, (cells, dt) in enumerate(((6, 0.0005), (12, 0.00025))):
         name = f"two disks, D/h = {cells}: "
         try:
-            run = context.run("cases/drafting_kissing_tumbling.edp", {"-dt": dt, "-tend": 0.3 if cells == 6 else 0.22}, f"two_{cells}", mesh=("drafting_kissing_tumbling", 0.25 / cells))
+            run = context.run("cases/drafting_kissing_tumbling.edp", {"-dt": dt, "-tend": 0.3}, f"two_{cells}", mesh=("drafting_kissing_tumbling", 0.25 / cells))
             low, high = run.folder.tracks[0], run.folder.tracks[1]
             found[name] = (low, high, run)
             for one in (low, high):
@@ -243,8 +243,11 @@ def fast_settling(context):
     axes.legend(loc="best")
     path = save(figure, context.figure_path("fast_settling"))
     for cells, (most, cpu) in found.items():
-        yield context.row(f"fast settling, D/h = {cells}: largest Reynolds number", "505, 497, 512 (three methods)", 505, most, rtol=0.02,
-                          cpu_s=cpu, figure=path)
+        name = f"fast settling, D/h = {cells}: largest Reynolds number"
+        if cells == max(found):
+            yield context.row(name, "505, 497, 512 (three methods)", 505, most, rtol=0.02, cpu_s=cpu, figure=path)
+        else:
+            yield context.row(name + " (grid study)", "above the under-resolved published 438 to 466", float("nan"), most, at_least=466, cpu_s=cpu, figure=path)
 
 
 def started(ratio, nu, end, radius=0.125, gravity=981.0, number=400):
