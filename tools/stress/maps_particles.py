@@ -20,7 +20,7 @@ def box(size, side=2.0):
 
 def settling(dt, mesh, end, **more):
     """Options of a disk in a box of 2 cm."""
-    return {"-mesh": mesh, "-dt": dt, "-tend": end, "-every": 0, "-gravity": -GRAVITY, "-x": 1.0, "-y": 1.03, **more}
+    return {"-mesh": mesh, "-cfl": 0, "-dt": dt, "-tend": end, "-every": 0, "-gravity": -GRAVITY, "-x": 1.0, "-y": 1.03, **more}
 
 
 def falls(end, share=1.0):
