@@ -12,6 +12,7 @@ from tools.command import ROOT
 from tools.plotting import PAGE_WIDTH, curve, plt, save
 from tools.tables import read_table
 from tools.validation import Failed
+from tools.validation.turbulence import turbulence
 
 FEAT, REFERENCE = "FeatFlow", ROOT / "tests" / "reference"
 STEADY = {"drag_coefficient": (5.57953523384, 1e-4), "lift_coefficient": (0.010618948146, 0.01),
@@ -266,4 +267,4 @@ def stable_jet(context):
     yield context.row("5 particles through the jet at 1e4: largest speed (m/s)", "bounded", np.nan, fluid["top_speed"].max(), at_most=12, cpu_s=run.cpu_s)
 
 
-VALIDATIONS = [poiseuille, taylor_green, cylinder_steady, cylinder_vortices, cylinder_pulse, cavity, backward_step, sudden_expansion, stable_jet]
+VALIDATIONS = [poiseuille, taylor_green, cylinder_steady, cylinder_vortices, cylinder_pulse, cavity, backward_step, sudden_expansion, stable_jet, turbulence]
