@@ -6,7 +6,7 @@ from tools.stress.classes import Checks, results
 
 PIPE = Mesh(("pipe_obstacles", "--size", 0.016))  # 13 elements across the pipe, 10 across the throat
 STEPS = [0.001, 0.002, 0.004, 0.008, 0.016, 0.032]
-SMALLER = "a smaller -dt, or -cfl 1.5, which chooses it"
+SMALLER = "a smaller -dt, or -cfl 1.5, the default, which chooses it"
 # The parabola of 2 m/s passes a throat of half the pipe: 2.7 m/s on average, 4 at most.
 FAST, LIVELY = 40.0, 5e3  # m/s; J/m
 

@@ -60,6 +60,11 @@ def long_run(steps, scene):
     return Cell(script, options, held, drift, "own", 1e-3, patience=max(1, steps / 1e4), memory_of=(1000, scene))
 
 
+def turning(run):
+    """Angular velocity of particle 0 at the end."""
+    return np.array([run.tracks[0]["omega"][-1]])
+
+
 # Each case that marches in time: (options, default time step, end, bounds, period, quantity).
 FLOW = "fluid.top_speed"
 CASES = {
@@ -72,13 +77,15 @@ CASES = {
     "drafting_kissing_tumbling": ({}, 0.0005, 0.03, {FLOW: 60, "particles.v": 60}, velocities),
     "couette_disk": ({}, 0.02, 2.0, {FLOW: 1, "particles.u": 1}, velocities),
     "segre_silberberg": ({}, 0.4, 40.0, {FLOW: 1, "particles.u": 1}, velocities),
+    "ellipse_in_shear": ({}, 0.01, 1.0, {FLOW: 2, "particles.omega": 5}, turning),
+    "rotating_cylinder": ({}, 0.001, 0.1, {FLOW: 1}, last_quarter),
     "cylinder_array": ({}, 0.001, 0.1, {FLOW: 1}, last_quarter),
     "cylinder_between_plates": ({}, 0.0025, 0.1, {FLOW: 5}, last_quarter),
     "pipe_transport": ({"-model": "laminar", "-reynolds": 50}, 0.002, 0.2, {"particles.u": 6, "particles.v": 6}, velocities),
     "falling_particles": ({}, 0.02, 20.0, {"particles.v": 3}, balance_error),
     "hourglass": ({"-number": 300, "-radius": 0.015, "-neck": 0.13}, 0.004, 0.4, {"particles.v": 15}, balance_error),
 }
-PERIODIC = {"couette_disk": (1.0, 0.0), "segre_silberberg": (1.0, 0.0), "cylinder_array": (1.0, 1.0)}
+PERIODIC = {"couette_disk": (1.0, 0.0), "ellipse_in_shear": (2.0, 0.0), "segre_silberberg": (1.0, 0.0), "cylinder_array": (1.0, 1.0)}
 
 
 def around_default(factor, case):
