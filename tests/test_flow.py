@@ -192,6 +192,14 @@ def test_steady_cylinder_on_a_coarse_mesh(meshes, run_folder):
     assert value(run_folder, "factorisations") <= 10
 
 
+def test_a_cylinder_of_sixteen_sides_has_the_drag_of_a_round_one(meshes, freefem_text, tmp_path):
+    """On elements a third of a side, so that only the polygon errs; that of equal area errs by 1.6e-3."""
+    coarse, fine = mesh(meshes, "cylinder_channel", "--circle-points", 16), tmp_path / "fine.mesh"
+    freefem_text(f'mesh Th = readmesh("{coarse}"); Th = trunc(Th, 1, split = 3); savemesh(Th, "{fine}");')
+    run_freefem("cases/cylinder_steady.edp", "-mesh", fine, "-out", tmp_path / "run")
+    assert value(tmp_path / "run", "drag_coefficient") == pytest.approx(5.57953523, rel=4e-4)
+
+
 @pytest.mark.parametrize("case", ["cylinder_steady", "cavity"])
 def test_a_coarse_mesh_first_leads_to_the_same_flow(case, meshes, tmp_path):
     """As the residual says in both, with half the factorisations on the mesh itself or fewer."""

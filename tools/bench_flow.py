@@ -40,10 +40,11 @@ REFERENCE = {
 }
 # Of this suite: words for tools.mesh, options of the case.
 LEVELS = {
-    "2d1": [(["cylinder_steady", "--size", "0.12", "--circle-points", str(n), "--growth", "0.15", "--wake-growth", "0.15"], {}) for n in (24, 40, 64)],
-    "2d2": [(["cylinder_channel", "--circle-points", "24"], {"-dt": 0.004}),
+    "2d1": [(["cylinder_steady", "--size", f"{1.92 / n:.4f}", "--circle-points", str(n), "--growth", "0.15", "--wake-factor", "1.6", "--wake-growth", "0.15"],
+             {"-coarse": 3 if n < 32 else 4}) for n in (24, 40, 64)],
+    "2d2": [(["cylinder_channel", "--circle-points", "24"], {}),
             (["cylinder_channel"], {}),
-            (["cylinder_channel", "--size", "0.08", "--circle-points", "48", "--growth", "0.07", "--wake-growth", "0.03"],
+            (["cylinder_channel", "--size", "0.08", "--circle-points", "48", "--growth", "0.07", "--wake-factor", "1.3", "--wake-growth", "0.03"],
              {"-dt": 0.0015, "-tolerance": 1e-5})],
     "cavity": [(["cavity", "--size", "0.0417"], {}), (["cavity", "--size", "0.0278"], {}), (["cavity", "--size", "0.0179"], {})],
 }

@@ -27,7 +27,7 @@ CASES = {
     "box": (box, {}),
     "box_corridor": (box_corridor, {}),
     "cylinder_channel": (cylinder_channel, {}),
-    "cylinder_steady": (cylinder_channel, {"size": 0.06, "circle_points": 64, "growth": 0.12, "wake_growth": 0.04}),
+    "cylinder_steady": (cylinder_channel, {"size": 0.06, "circle_points": 64, "growth": 0.12, "wake_factor": 1.3, "wake_growth": 0.04}),
     "backward_step": (backward_step, {}),
     "sudden_expansion": (sudden_expansion, {}),
     "periodic_box": (periodic_box, {}),

@@ -44,7 +44,7 @@ def coefficients(run):
 
 def fine_mesh(context):
     """The channel with a cylinder that gives 2D-2 within 0.1 %."""
-    return context.mesh("cylinder_channel", 0.08, "--circle-points", "64", "--growth", "0.06", "--wake-growth", "0.02")
+    return context.mesh("cylinder_channel", 0.08, "--circle-points", "64", "--growth", "0.06", "--wake-factor", "1.3", "--wake-growth", "0.02")
 
 
 def vortices(run, since=5.0):
