@@ -57,7 +57,8 @@ def jobs_of(part, there, out, quick, limit):
     if part == "flow":
         levels = {"2d1": {bench_flow.OURS: (0, 1, 2), bench_flow.PUBLISHED: (0,) if quick else (0, 1, 2), "NGSolve": (0, 1, 2), "scikit-fem": (0, 1, 2)}}
         if not quick:
-            levels["2d2"] = {bench_flow.OURS: (0, 1, 2), bench_flow.PUBLISHED: (0, 1), "NGSolve": (0, 1)}
+            levels["2d2"] = {bench_flow.OURS: (0, 1, 2), bench_flow.PUBLISHED: (0, 1, 2), "NGSolve": (0, 1, 2)}
+            levels["cavity"] = dict.fromkeys((bench_flow.OURS, bench_flow.PUBLISHED, "NGSolve", "scikit-fem"), (0, 1, 2))
         absent = {name for name, package in (("NGSolve", "ngsolve"), ("scikit-fem", "skfem")) if package not in there}
         return flow_jobs(out, {p: {k: v for k, v in those.items() if k not in absent} for p, those in levels.items()}, limit)
     if part == "particles":

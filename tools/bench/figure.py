@@ -14,7 +14,7 @@ STYLES = {
     "accelerated": ("#56b4e9", "P", (0, (3, 1))), "piqp": ("#e69f00", "X", "-."), "clarabel": ("#595959", "<", "--"),
     "scs": ("#000000", ">", ":"), "osqp": ("#a05000", "*", (0, (1, 1))), "no particles in the program": ("#009e73", "h", ":"),
 }
-SHORT = {("flow", "2d1"): "DFG 2D-1, drag", ("flow", "2d2"): "DFG 2D-2, worst of three", ("particles", "settling"): "settling disk, velocity",
+SHORT = {("flow", "2d1"): "DFG 2D-1, drag", ("flow", "2d2"): "DFG 2D-2, worst of three", ("flow", "cavity"): "cavity, Re 1000", ("particles", "settling"): "settling disk, velocity",
          ("particles", "turning"): "disk in shear, rotation", ("transport", "spheres"): "1,000 carried spheres", ("transport", "step"): "carried spheres",
          ("contacts", "number"): "contacts", ("scaling", "unknowns"): "settling disk", ("scaling", "particles"): "disks in the pipe"}
 FEATURES = {"contacts of carried spheres": "contacts, spheres", "contacts of spheres far apart": "used, far apart"}
