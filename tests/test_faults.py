@@ -171,6 +171,25 @@ def test_any_letter_of_a_mesh_may_be_wrong(box, place, what, tmp_path_factory):
         assert_refused(done, (3, 4, 5))
 
 
+@pytest.mark.parametrize("right, wrong, says", [
+    ("\n473 474 491 0\n", "\n473 44 491 0\n", "do not fit together"),
+    ("\n1 2 3\n2 3 3\n", "\n1 3 3\n2 3 3\n", "do not fit together"),
+    ("\n1 2 3\n2 3 3\n", "\n1 2 3\n2 3 3\n1 40 3\n", "no side of a triangle"),
+], ids=["corner", "side without a label", "edge across"])
+def test_a_mesh_that_does_not_fit_together_is_refused(box, right, wrong, says, tmp_path):
+    text = box[1].replace(right, wrong)
+    assert text != box[1]
+    if says.startswith("no side"):
+        text = text.replace("Edges\n128\n", "Edges\n129\n")
+    (tmp_path / "bad.mesh").write_text(text)
+    assert_refused(run(*SETTLING, "-mesh", tmp_path / "bad.mesh", "-out", tmp_path / "run"), (3,), says)
+
+
+def test_a_file_name_never_reaches_the_shell_unread(tmp_path):
+    for option in ("-bodies", "-walls"):
+        assert_refused(run("scripts/project_velocities.edp", option, "'|", "-out", tmp_path / "out.csv"), (3,), "holds signs other than")
+
+
 @pytest.mark.parametrize("text, says", [
     ("id,x,y,radius,density\n0,nan,4,0.125,1.25\n", "missing or bad number"),
     ("id,x,y,radius,density\n0,1,4,inf,1.25\n", "missing or bad number"),

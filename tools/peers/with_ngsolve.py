@@ -1,5 +1,6 @@
-"""DFG 2D-1, DFG 2D-2 and the cavity with NGSolve: curved Taylor-Hood elements.
+"""DFG 2D-1, DFG 2D-2, the cavity and a backward-facing step with NGSolve: curved Taylor-Hood elements.
 
+The step is not in the benchmark: a second opinion on cases/backward_step.edp (level 0: a minute).
 Steady: order 3/2, Newton's method with UMFPACK. 2D-2: order 3/2, semi-implicit BDF2: Stokes part
 implicit and factored once, convection extrapolated.
 """
@@ -8,6 +9,7 @@ import time
 from tools.peers.common import CENTRE, HEIGHT, LENGTH, NU, RADIUS, asked, extrema, parabola, report, towards_walls, vortices
 
 import numpy as np
+from netgen.geom2d import SplineGeometry
 from netgen.occ import Circle, OCCGeometry, Rectangle, X as AXIS_X
 from ngsolve import (CF, H1, BilinearForm, Grad, GridFunction, InnerProduct, Mesh, SetNumThreads, VectorH1, div, dx, x, y)
 from ngsolve.meshes import MakeStructured2DMesh
@@ -146,7 +148,30 @@ def cavity(level):
     report(begin, space.ndof, **extrema(flow(mesh(middle, along))[:, 0], flow(mesh(along, middle))[:, 1]))
 
 
-PROBLEMS = {"2d1": steady, "2d2": unsteady, "cavity": cavity}
+def step(level):
+    """Reynolds number 800: where the shear changes sign on the lower wall, and on the upper one, in step heights."""
+    near, far = [(0.15, 0.3), (0.1, 0.2)][level]
+    begin = time.process_time()
+    outline = SplineGeometry()
+    corners = [outline.AppendPoint(*at) for at in ((-20, 1), (0, 1), (0, 0), (30, 0), (80, 0), (80, 2), (30, 2), (0, 2), (-20, 2))]
+    for k, (name, size) in enumerate((("wall", far), ("wall", near), ("wall", near), ("wall", far), ("outlet", far),
+                                      ("wall", far), ("wall", near), ("wall", far), ("inlet", far))):
+        outline.Append(["line", corners[k], corners[(k + 1) % len(corners)]], bc=name, maxh=size)
+    mesh = Mesh(outline.GenerateMesh(maxh=far, grading=0.08))
+    space, stokes, convection, _ = spaces(mesh, 3, "wall|inlet")
+    state = GridFunction(space)
+    state.components[0].Set(CF((6 * (y - 1) * (2 - y), 0)), definedon=mesh.Boundaries("inlet"))
+    newton(state, space, stokes, convection, [2 / number for number in (50, 150, 300, *range(400, 801, 50))])
+    along, shear = np.linspace(5, 29.9, 20001), Grad(state.components[0])[0, 1]
+    found = []
+    for height in (1e-9, 2 - 1e-9):
+        values = shear(mesh(along, np.full_like(along, height))).ravel()
+        k = np.flatnonzero(values[:-1] * values[1:] < 0)
+        found += list(along[k] - values[k] * (along[k + 1] - along[k]) / (values[k + 1] - values[k]))
+    report(begin, space.ndof, **{f"x{n}": at for n, at in zip((1, 4, 5), found)})
+
+
+PROBLEMS = {"2d1": steady, "2d2": unsteady, "cavity": cavity, "step": step}
 if __name__ == "__main__":
     problem, level = asked(PROBLEMS)
     PROBLEMS[problem](level)
