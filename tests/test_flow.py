@@ -63,7 +63,7 @@ include "lib/labels.idp"
 mesh Th = square(5, 4, [x + 0.1*y*y, y*(1 + 0.2*x)]);
 int[int] relabel = [1, labelWall, 2, labelOutlet, 3, labelWall, 4, labelInlet];
 Th = change(Th, label = relabel);
-Th = adaptmesh(Th, 0.2 + 0.1*x, IsMetric = 1, nbvx = 2000);
+Th = adaptmesh(Th, SIZE*(2 + x), IsMetric = 1, nbvx = 20000);
 int[int] flowNoSlip = [labelWall], flowMoving = [labelInlet], flowOutlet = [labelOutlet], flowSlip(0);
 real rhoFluid = 1, mu = 1;
 include "lib/convection.idp"
@@ -89,16 +89,19 @@ for (int k = 0; k < 5; ++k) {
     first -= second;
     worst = max(worst, first.linfty);
 }
+cout << "TRIANGLES " << Th.nt << endl;
 cout << "RESULT " << worst/most << " " << int1d(Th, labelOutlet)(max(a*N.x + b*N.y, 0.)) << " " << int1d(Th, labelOutlet)(max(-a*N.x - b*N.y, 0.)) << endl;
 """
 
 
-@pytest.mark.parametrize("lift, off_most", [(3, 1e-11), (0, 1e-2)])
-def test_convection_operator_is_that_of_the_assembly(lift, off_most, freefem_text):
-    """Exactly where the outlet only lets out; where the flow turns on an edge, to the quadrature."""
-    text = freefem_text(OPERATOR.replace("LIFT", str(lift))).stdout
+@pytest.mark.parametrize("lift, size, off_most", [(3, 0.1, 1e-11), (3, 0.01, 1e-11), (0, 0.1, 1e-2)])
+def test_convection_operator_is_that_of_the_assembly(lift, size, off_most, freefem_text):
+    """Exactly where the outlet only lets out, in one block of triangles and in several; where the flow turns on an edge, to the quadrature."""
+    text = freefem_text(OPERATOR.replace("LIFT", str(lift)).replace("SIZE", str(size))).stdout
     off, leaving, entering = map(float, next(line for line in text.splitlines() if line.startswith("RESULT")).split()[1:])
     assert off < off_most
+    triangles = int(next(line for line in text.splitlines() if line.startswith("TRIANGLES")).split()[1])
+    assert (triangles > 1400) == (size < 0.1)
     assert leaving > 0 and (entering > 0) == (lift == 0)
 
 

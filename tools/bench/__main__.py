@@ -82,7 +82,7 @@ def jobs_of(part, there, out, quick, limit):
 
 
 # Minutes of a part after which no further round begins; what is skipped takes 7 and 1.
-SHARES = {False: {"flow": 12, "particles": 8, "contacts": 6, "transport": 1, "scaling": 6},
+SHARES = {False: {"flow": 16, "particles": 8, "contacts": 6, "transport": 1, "scaling": 6},
           True: {"flow": 0.6, "particles": 1, "contacts": 0.6, "transport": 0.2, "scaling": 0.7}}
 
 
