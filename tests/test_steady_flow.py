@@ -185,7 +185,8 @@ def test_turbulent_pipe(freefem, run_folder):
     found = run(freefem, run_folder, "pipe_flow")
     assert found["residual"] <= 1e-6
     assert found["cpu_time"] < 180
-    assert 3.5 < found["loss_coefficient"] < 4
+    # Borda and Carnot for the diaphragm alone: 4.4; here the jet has not mixed when it leaves
+    assert 2.9 < found["loss_coefficient"] < 4.4
 
 
 @pytest.mark.slow
