@@ -189,6 +189,31 @@ def test_turbulent_pipe(freefem, run_folder):
     assert 2.9 < found["loss_coefficient"] < 4.4
 
 
+def test_the_jet_of_a_narrow_slit_contracts(freefem, run_folder):
+    # The standard production makes turbulence where the stream is only accelerated: 0.72 (within 20 %).
+    found = run(freefem, run_folder, "diaphragm_loss", "-opening", 0.2, "-cells", 6, "-tolerance", 1e-3)
+    assert found["contraction"] == pytest.approx(found["contraction_mises"], rel=0.05)
+    assert found["loss_over_borda_carnot"] == pytest.approx(1, abs=0.1)
+
+
+def test_epsilon_at_the_wall_gives_the_mean_over_its_triangle(freefem_text):
+    # The mean of 1/y from d to d + H, and that of the exponential that is linear in the logarithm between a/d and 1/(d + H).
+    out = freefem_text("""
+include "lib/errors.idp"
+real lenEdge = 1, area = 0, ransNu = 1e-3, ransTurning = 0, ransTiny = 1, ransAxis = 0, y = 1;
+include "lib/rans_model.idp"
+for (int k = 0; k < 5; ++k) {
+    real K = 2. + k, height = 0.1 + 0.1*k;
+    area = 0.5*height;
+    cout << "FOUND " << height << " " << wallUnits(K)*ransNu/wallFriction(K) << " " << wallFriction(K) << " " << exp(wallRate(K)) << endl;
+}
+""").stdout
+    for line in out.split("FOUND")[1:]:
+        height, distance, friction, rate = map(float, line.split()[:4])
+        a, b = rate * 0.41 / friction**3, 1 / (distance + height)
+        assert height * (a - b) / math.log(a / b) == pytest.approx(math.log(1 + height / distance), rel=5e-4)  # Carlson's rule for the logarithmic mean
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("opening", [0.5])
 def test_diaphragm_loss_is_that_of_borda_and_carnot(freefem, run_folder, opening):
