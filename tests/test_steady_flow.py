@@ -92,16 +92,69 @@ int[int] newtonInlet = [labelInlet], newtonWalls = [labelWall, labelCylinder], n
 macro inletU() (1.2*y*(0.41 - y)/0.41^2) // EOM
 include "lib/newton.idp"
 int reached = newtonSolve(1e-8, 10);
-varf open0([a, b, q], [c, d, r]) = int2d(Th)(newtonNu*newtonStrain(newtonU, newtonV, c, d) - nP*newtonDiv(c, d)
-    + newtonAlong(newtonU, newtonV, newtonU)*c + newtonAlong(newtonU, newtonV, newtonV)*d);
-varf mark([a, b, q], [c, d, r]) = on(labelCylinder, a = 1., b = 0.);
-real[int] force = open0(0, Nh), weight = mark(0, Nh, tgv = -1);
+varf mark(a, c) = on(labelCylinder, a = 1.);
+real[int] weight = mark(0, NWh, tgv = 1.), alongX = newtonReaction(0:NWh.ndof - 1);
 cout.precision(10);
-cout << "FOUND " << reached << " " << newtonFactorisations << " " << -2.*(weight'*force)/(0.2^2*0.1) << endl;
+cout << "FOUND " << reached << " " << newtonFactorisations << " " << -2.*(weight'*alongX)/(0.2^2*0.1) << endl;
 ''').stdout
     reached, factorisations, drag = map(float, out.split("FOUND")[1].split()[:3])
     assert reached == 1 and factorisations <= 10
     assert drag == pytest.approx(5.57953523384, rel=5e-4)  # DFG 2D-1, straight edges
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_newton_residual_and_derivative_are_those_of_the_mixed_form(freefem_text, axis):
+    """Blocks and dense products against forms of [P2, P2, P1] written here, and a chord against both."""
+    out = freefem_text(r'''
+int[int] sides = [1, 2, 1, 3];
+mesh Th = square(5, 4, [2.*x + 0.2*y*y, y + 0.1*sin(3.*x)], label = sides);
+int newtonAxis = AXIS; real newtonNu = 0.5, newtonSpeed = 1., newtonLength = 1., newtonForceX = 0.3;
+int[int] newtonInlet = [3], newtonWalls = [1], newtonSymmetry(0);
+macro inletU() (y*(1. - y)) // EOM
+include "lib/newton.idp"
+fespace Xh(Th, [P2, P2, P1]);
+Xh [u, v, p];
+real radius0 = 1. - AXIS;
+func real weight() { return radius0 + AXIS*y; }
+func real hoop() { return AXIS/weight(); }
+varf mixed([a, b, q], [c, d, r]) = int2d(Th)(weight()*(
+    newtonNu*(2.*dx(u)*dx(c) + 2.*dy(v)*dy(d) + (dy(u) + dx(v))*(dy(c) + dx(d)) + 2.*hoop()^2*v*d) - p*(dx(c) + dy(d) + hoop()*d)
+    - r*(dx(u) + dy(v) + hoop()*v) - newtonTiny*p*r + (u*dx(u) + v*dy(u) - newtonForceX)*c + (u*dx(v) + v*dy(v))*d));
+newtonU = 0.4*sin(2.*x)*y; newtonV = x*y*y; newtonP = cos(x + y);
+// The order of [P2, P2, P1] is found by numbering the unknowns.
+NWh names; NQh namesP; Xh [nu, nv, np];
+names[] = 0:NWh.ndof - 1;
+NWh names2; names2[] = names[]; names2[] += 1.*NWh.ndof;
+namesP[] = 0:NQh.ndof - 1; namesP[] += 2.*NWh.ndof;
+[nu, nv, np] = [names, names2, namesP];
+int[int] at(Xh.ndof);
+at = lround(nu[]);
+newtonState(0:NWh.ndof - 1) = newtonU[];
+newtonState(NWh.ndof:2*NWh.ndof - 1) = newtonV[];
+newtonState(2*NWh.ndof:newtonState.n - 1) = newtonP[];
+func real apart() {
+    newtonShow();
+    [u, v, p] = [newtonU, newtonV, newtonP];
+    real[int] exact = mixed(0, Xh), mine = newtonReaction(at);
+    mine -= exact;
+    return mine.linfty/exact.linfty;
+}
+matrix A;
+newtonDerive(A);
+real byBlocks = apart();
+real[int] from = newtonState, reaction = newtonReaction;
+newtonStep(A, from, reaction);
+newtonStep(A, from, reaction);
+real byStep = apart();
+newtonMeasure();
+cout << "FOUND " << byBlocks << " " << byStep << " " << apart() << endl;
+int reached = newtonSolve(1e-12, 20);
+newtonDerive(A);
+cout << "SOLVED " << reached << " " << newtonFactorisations << " " << newtonLevel << " " << apart() << endl;
+'''.replace("AXIS", str(axis))).stdout
+    assert max(map(float, out.split("FOUND")[1].split()[:3])) < 1e-12
+    reached, factorisations, level, apart = map(float, out.split("SOLVED")[1].split()[:4])
+    assert reached == 1 and factorisations < 12 and level < 1e-12 and apart < 1e-11
 
 
 @pytest.mark.parametrize("retau, cells", [(2000, 20), (5000, 40)])
