@@ -48,10 +48,10 @@ def flow_jobs(out, levels, limit):
     names = {bench_flow.OURS: OURS, bench_flow.PUBLISHED: PUBLISHED}
 
     def run(program, problem, level):
-        size, found, cpu, own, reason = bench_flow.run_program(program, problem, level, out, limit)
+        size, _, cpu, own, off, reason = bench_flow.judged(program, problem, level, out, limit)
         if reason:
             raise BadInput(reason)
-        return {"unknowns": float(size), "cpu_s": cpu, "own_s": own, "error": bench_flow.error(problem, found)}
+        return {"unknowns": float(size), "cpu_s": cpu, "own_s": own, "error": off}
     return [Job("flow", problem, names.get(program, program), level, functools.partial(run, program, problem, level))
             for problem, programs in levels.items() for level in range(3)
             for program, those in programs.items() if level in those]

@@ -11,10 +11,15 @@ HEIGHT, LENGTH, CENTRE, RADIUS, NU = 0.41, 2.2, (0.2, 0.2), 0.05, 1e-3
 
 
 def asked(problems, levels=3):
-    """(problem, level) of the command line."""
-    if len(sys.argv) != 3 or sys.argv[1] not in problems or not sys.argv[2].isdigit() or int(sys.argv[2]) >= levels:
-        sys.exit(f"usage: {sys.argv[0]} {'|'.join(problems)} LEVEL (0 to {levels - 1})")
-    return sys.argv[1], int(sys.argv[2])
+    """(problem, level, ...) of the command line; further words are numbers."""
+    words = sys.argv[1:]
+    try:
+        problem, level, *further = words[0], int(words[1]), *map(float, words[2:])
+        if problem in problems and 0 <= level < levels:
+            return problem, level, *further
+    except (IndexError, ValueError):
+        pass
+    sys.exit(f"usage: {sys.argv[0]} {'|'.join(problems)} LEVEL (0 to {levels - 1}) [SIZE, of the elements of 2d1 over the level's (default 1) [ORDER of NGSolve's (default 3)]]")
 
 
 def report(begin, unknowns, **numbers):

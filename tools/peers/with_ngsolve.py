@@ -73,11 +73,12 @@ def unit_fields(space, mesh):
     return fields
 
 
-def steady(level):
+def steady(level, size=1.0, order=3):
     bulk, circle = [(0.12, 0.02), (0.08, 0.012), (0.05, 0.006)][level]
+    order = int(order)
     begin = time.process_time()
-    mesh = channel(bulk, circle, 3)
-    space, stokes, convection, _ = spaces(mesh, 3, "wall|cylinder|inlet")
+    mesh = channel(size * bulk, size * circle, order)
+    space, stokes, convection, _ = spaces(mesh, order, "wall|cylinder|inlet")
     state = GridFunction(space)
     state.components[0].Set(CF((parabola(y, 0.3), 0)), definedon=mesh.Boundaries("inlet"))
     residual = newton(state, space, stokes, convection, [NU])
@@ -173,5 +174,5 @@ def step(level):
 
 PROBLEMS = {"2d1": steady, "2d2": unsteady, "cavity": cavity, "step": step}
 if __name__ == "__main__":
-    problem, level = asked(PROBLEMS)
-    PROBLEMS[problem](level)
+    problem, *further = asked(PROBLEMS)
+    PROBLEMS[problem](*further)

@@ -86,8 +86,8 @@ def newton(mesh, fixed, given, viscosities):
     return velocity, state, force, n + m
 
 
-def steady(level):
-    bulk, circle = [(0.1, 0.016), (0.06, 0.008), (0.04, 0.005)][level]
+def steady(level, size=1.0):
+    bulk, circle = (size * width for width in [(0.1, 0.016), (0.06, 0.008), (0.04, 0.005)][level])
     begin = time.process_time()
     mesh = channel(bulk, circle)
 
@@ -121,5 +121,5 @@ def cavity(level):
 
 PROBLEMS = {"2d1": steady, "cavity": cavity}
 if __name__ == "__main__":
-    problem, level = asked(PROBLEMS)
-    PROBLEMS[problem](level)
+    problem, *further = asked(PROBLEMS)
+    PROBLEMS[problem](*further)
