@@ -264,6 +264,21 @@ def test_a_nearly_round_ellipse_falls_as_a_disk(freefem_text, tmp_path):
     np.testing.assert_allclose(falls[1]["y"], falls[0]["y"], rtol=1e-6)
 
 
+def test_the_look_for_contacts_may_rest(freefem_text, tmp_path):
+    """A step without a look changes nothing: two disks of different weight that meet, and the floor."""
+    case = (ROOT / "cases" / "settling_disk.edp").read_text()
+    place = case[case.index("bodyDisk("):case.index(";", case.index("bodyDisk(")) + 1]
+    two = "bodyDisk(1, 2.2, diameter/2, 3.); bodyDisk(1.02, 1.3, diameter/2, 1.2);"
+    for name, step in (("rests", ""), ("looks", "motionRest = -1;")):
+        freefem_text(case.replace(place, two).replace('include "scripts', f'macro caseStep() {step} // EOM\ninclude "scripts'),
+                     "-dt", 0.001, "-tend", 0.2, "-out", tmp_path / name)
+    assert (tmp_path / "rests" / "particles.csv").read_bytes() == (tmp_path / "looks" / "particles.csv").read_bytes()
+    gaps = [read_table(tmp_path / name / "fluid.csv")["worst_gap"] for name in ("rests", "looks")]
+    touched = gaps[1] < 1e-6
+    assert touched.any() and not touched.all() and (gaps[0] <= gaps[1] + 1e-15).all() and (gaps[0][~touched] > 0).all()
+    assert (gaps[0] < gaps[1] - 1e-6).any()  # it did rest
+
+
 def test_nonsense_ellipses_are_refused(freefem_text):
     text = 'include "lib/bodies.idp"\noptCase("bad", "test"); optEnd();\nbodyEllipse(0, 0, 0.1, 0.2, 0, 1.);\n'
     done = freefem_text(text, check=False)
