@@ -157,6 +157,54 @@ cout << "SOLVED " << reached << " " << newtonFactorisations << " " << newtonLeve
     assert reached == 1 and factorisations < 12 and level < 1e-12 and apart < 1e-11
 
 
+@pytest.mark.parametrize("axis, turning", [(0, 0), (0, 1), (1, 1)])
+def test_turbulent_residual_is_that_of_the_mixed_form(freefem_text, axis, turning):
+    """Dense products against the weak form of lib/rans_forms.idp written out here, at a state that solves nothing."""
+    out = freefem_text(r'''
+int[int] sides = [1, 2, 1, 3];
+mesh Th = square(6, 5, [2.*x + 0.2*y*y, 0.1 + y + 0.1*sin(3.*x)], label = sides);
+int ransAxis = AXIS, ransTurning = TURNING;
+real ransNu = 1e-4, ransSpeed = 1.5, ransLength = 0.7, ransForceX = 0.3;
+int[int] ransInlet = [3], ransOutlet = [2], ransWalls = [1], ransSymmetry(0);
+macro inletU() y*(1. - y) // EOM
+macro inletK() log(0.01) // EOM
+macro inletE() log(0.02) // EOM
+include "lib/rans_residual.idp"
+[rU, rV, rP, rK, rE] = [0.4*sin(2.*x)*y - 0.1, x*y*y, cos(x + y), -3. + 0.3*sin(x - y), -4. + 0.5*x*y];
+ransLocate();
+ransSplit();
+real[int] mine(Xh.ndof);
+ransBalance(mine);
+varf mixed([a, b, q, g, h], [c, d, r, l, m])
+    = int2d(Th)(ransRadius*(
+        (along(fU, fV, fU) - ransForceX)*c + along(fU, fV, fV)*d + (ransNu + nut)*doubleStrain(fU, fV, c, d)
+        - fP*divOf(c, d) - r*divOf(fU, fV) - 1e-8*fP*r/(ransSpeed*ransLength) + ransGradDiv*divOf(fU, fV)*divOf(c, d)
+        + ransTauM*(strongX*along(fU, fV, c) + strongY*along(fU, fV, d))
+        + along(fU, fV, fK)*l + (ransNu + nut/ransSigmaK)*(gradDot(fK, l) - gradDot(fK, fK)*l) + (rate - ransCmu*producedOf(fU, fV)/rate)*l
+        + along(fU, fV, fE)*m + (ransNu + nut/ransSigmaE)*(gradDot(fE, m) - gradDot(fE, fE)*m) + (ransC2*rate - ransC1*ransCmu*producedOf(fU, fV)/rate)*m
+        + ransTauT*(strongK*along(fU, fV, l) + strongE*along(fU, fV, m))));
+varf scales([a, b, q, g, h], [c, d, r, l, m])
+    = int2d(Th)(ransRadius*(ransSpeed^2*(c + d) + ransSpeed*r)/ransLength + ransRadius*rate*(l + m));
+Zh timeM = 1./sqrt((4.*sqrt(fU^2 + fV^2)/ransSize)^2 + (16.*(ransNu + nut)/ransSize^2)^2);
+Zh timeT = 1./sqrt((2.*sqrt(fU^2 + fV^2)/ransSize)^2 + (4.*(ransNu + nut/ransSigmaE)/ransSize^2)^2 + rate^2);
+real[int] exact = mixed(0, Xh), edges = ransEdges(0, Xh), size = scales(0, Xh);
+exact += edges;
+exact = exact .* ransOpen;
+timeM[] -= ransTauM[]; timeT[] -= ransTauT[];
+cout << "FOUND " << timeM[].linfty/ransTauM[].max << " " << timeT[].linfty/ransTauT[].max;
+for (int i = 0; i < 4; ++i) {
+    real[int] own = mine .* ransPart(:, i), other = exact .* ransPart(:, i), scale = size .* ransPart(:, i);
+    cout << " " << abs(other.l2/scale.l2/ransLevels[i] - 1.);
+    real large = other.linfty;
+    own -= other;
+    cout << " " << own.linfty/large;
+}
+cout << endl;
+'''.replace("AXIS", str(axis)).replace("TURNING", str(turning))).stdout
+    found = list(map(float, out.split("FOUND")[1].split()[:10]))
+    assert len(found) == 10 and max(found) < 1e-11
+
+
 @pytest.mark.parametrize("retau, cells", [(2000, 20), (5000, 40)])
 def test_channel_friction_is_that_of_dean_and_direct_simulation(freefem, run_folder, retau, cells):
     found = run(freefem, run_folder, "turbulent_channel", "-retau", retau, "-cells", cells)
