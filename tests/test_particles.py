@@ -152,6 +152,15 @@ def test_light_and_heavy_disks_start_as_added_mass_says(freefem, tmp_path, ratio
     assert run["v"][-1] == pytest.approx(started(ratio, 0.01, 0.004), rel=error)
 
 
+def test_the_body_fitted_reference_is_that_of_its_script(freefem, tmp_path):
+    """A coarse run of tools/body_fitted/settling_disk.edp beside the table made by a fine one."""
+    freefem(ROOT / "tools" / "body_fitted" / "settling_disk.edp", "-dt", "0.01", "-tend", "0.2", "-out", tmp_path / "fall.csv")
+    coarse, fine = read_table(tmp_path / "fall.csv"), read_table(ROOT / "tests" / "reference" / "settling_disk_body_fitted.csv")
+    for t, most in ((0.1, 5e-4), (0.2, 1e-4)):
+        found, exact = (np.interp(t, table["t_s"], table["v_cm_per_s"]) for table in (coarse, fine))
+        assert found == pytest.approx(exact, rel=most)
+
+
 def test_a_neutral_disk_stays_at_rest(freefem, tmp_path):
     run = run_case(freefem, tmp_path / "run", "settling_disk", "-rhos", "1", "-tend", "0.02")
     assert max(abs(run["u"]).max(), abs(run["v"]).max(), abs(run["omega"]).max()) < 1e-9

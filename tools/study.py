@@ -1,7 +1,7 @@
 """A mesh and time-step refinement study of a case.
 
     python -m tools.study cases/settling_disk.edp --meshsize 0.0625 0.0417 0.03125 \\
-        --dt 0.002 0.001 --quantity mean_v --reference -5.512
+        --dt 0.002 0.001 --quantity mean_v --reference -5.5073
     python -m tools.study CASE --dt 0.01 0.005 --quantity final_y -- -scheme published -penalty 1e-6
 
 Runs the case at every pair of element size and time step, over the cores, or one by one
