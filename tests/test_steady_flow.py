@@ -218,6 +218,12 @@ def test_pipe_friction_is_that_of_prandtl(freefem, run_folder):
     assert abs(found["friction_error"]) < 0.05
 
 
+def test_a_turbulent_flow_that_fails_on_the_coarsest_mesh_starts_anew(freefem, run_folder):
+    """At four times the Reynolds number the mesh of 16 times fewer triangles has no solution that is found."""
+    found = run(freefem, run_folder, "turbulent_step", "-size", 0.25, "-inlet", 5, "-outlet", 12, "-tolerance", 0.1, "-reynolds", 176000)
+    assert found["residual"] <= 0.1 and abs(found["flux_defect"]) < 0.01
+
+
 def test_step_reattaches(freefem, run_folder):
     # The range is that of coarse meshes; tools.validate_steady judges the fine one.
     found = run(freefem, run_folder, "turbulent_step", "-size", 0.25)
