@@ -174,6 +174,11 @@ def test_corridor_is_uniform_and_fine():
     inside, flank = sizes_at(corridor, [(1.0, 3.0), (0.1, 3.0)])
     assert inside == pytest.approx(0.05 * np.sqrt(2), rel=0.1) and flank > 1.5 * inside
     assert len(mesh.points) == 17 * 49
+    for pattern in ("right", "unstructured"):
+        outline, short = built("box_corridor", "--size", 0.05, "--corridor-bottom", 2, "--corridor-top", 4, "--pattern", pattern)
+        assert faults(short, outline) == [] and len(short.points) < 0.75 * len(built("box_corridor", "--size", 0.05, "--pattern", pattern)[1].points)
+        inside, below, above = sizes_at(short, [(1.0, 3.0), (1.0, 0.3), (1.0, 5.7)])
+        assert min(below, above) > 1.5 * inside
 
 
 @settings(max_examples=15, deadline=None)
@@ -218,6 +223,8 @@ BAD = [
     (["cylinder_channel", "--size", 0.3], "larger than half the height"),
     (["box", "--size", 3], "too large"),
     (["box_corridor", "--corridor-width", 3], "not within the box"),
+    (["box_corridor", "--corridor-bottom", 5, "--corridor-top", 4], "not upwards within the box"),
+    (["box_corridor", "--corridor-top", 7], "not upwards within the box"),
     (["cavity", "--size", 1e-7], "vertices"),
     (["backward_step", "--size", 1], "too large"),
     (["sudden_expansion", "--ratio", 1], "larger than 1"),

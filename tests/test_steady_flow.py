@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from tools.command import ROOT
+from tools.tables import read_table
 
 
 def results(folder):
@@ -232,6 +233,17 @@ def test_step_reattaches(freefem, run_folder):
     assert abs(found["flux_defect"]) < 1e-3
     zones = rows(run_folder / "zones.csv")
     assert any(zone["side"] == -1 and zone["separation"] < 1 for zone in zones)
+
+
+def test_lengths_behind_the_laminar_step_are_those_of_finite_differences(freefem, run_folder):
+    """Two coarse grids of the second scheme, extrapolated, beside the suite on its default mesh and the table of fine grids."""
+    done = subprocess.run([sys.executable, "-m", "tools.peers.step_by_differences", "15", "20"], cwd=ROOT, check=True, capture_output=True, text=True)
+    coarse = [float(cell) for cell in done.stdout.splitlines()[-1].split(",")[1:]]
+    fine = read_table(ROOT / "tests" / "reference" / "backward_step_second_schemes.csv")["differences"]
+    assert coarse == pytest.approx(fine, rel=0.005)
+    found = run(freefem, run_folder, "backward_step")
+    own = [found[name] for name in ("x1_lower_reattachment", "x4_upper_separation", "x5_upper_reattachment")]
+    assert own == pytest.approx(fine, rel=0.01)
 
 
 SHORT = ["-reynolds", "100", "-model", "laminar"]

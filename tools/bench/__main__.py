@@ -62,7 +62,7 @@ def jobs_of(part, there, out, quick, limit):
         absent = {name for name, package in (("NGSolve", "ngsolve"), ("scikit-fem", "skfem")) if package not in there}
         return flow_jobs(out, {p: {k: v for k, v in those.items() if k not in absent} for p, those in levels.items()}, limit)
     if part == "particles":
-        settle = {OURS: [(n, 0.01 / n) for n in (3, 4, 6, 8)], PUBLISHED: PUBLISHED_SETTLING}
+        settle = {OURS: [(n, 0.014 / n) for n in (3, 4, 5, 6)], PUBLISHED: PUBLISHED_SETTLING}
         turn = {OURS: [(8, 0.01), (16, 0.0025), (32, 0.000625)], PUBLISHED: [(8, 0.02), (16, 0.02), (32, 0.02)]}
         if quick:
             settle, turn = {OURS: settle[OURS][:2], PUBLISHED: PUBLISHED_SETTLING[:1]}, {name: those[:2] for name, those in turn.items()}
