@@ -135,3 +135,64 @@ def test_contacts_alone_stop_at_maxwall_and_go_on(tmp_path):
     assert "complete at t = 10 s" in run_freefem(*words, "-restart", tmp_path / "run").stdout
     moved = run_freefem("cases/falling_particles.edp", "-tend", "10", "-number", "20", "-restart", tmp_path / "run", check=False)
     assert moved.returncode == 3 and "other options" in moved.stderr
+
+
+def broken_off(words, tmp_path, keep):
+    """(an unbroken run, the same broken off after the checkpoint of step `keep` and gone on with)."""
+    run_freefem(*words, "-out", tmp_path / "whole")
+    shutil.copytree(tmp_path / "whole", tmp_path / "broken", ignore=shutil.ignore_patterns(".writer"))
+    for seal in (tmp_path / "broken").glob("restart_*.sha"):
+        if seal.stem != f"restart_{keep:09d}":
+            seal.unlink()
+    again = run_freefem(*words, "-restart", tmp_path / "broken")
+    assert f"step {keep}" in again.stdout
+    return tmp_path / "whole", tmp_path / "broken"
+
+
+def test_disks_leave_and_feel_forces_after_a_restart(mesh, tmp_path):
+    disks = tmp_path / "disks.csv"
+    disks.write_text("id,x,y,radius,density,u,v,omega\n4,0.85,0.02,0.01,1200,0.5,0,0\n7,0.94,0,0.01,1200,1.5,0,0\n8,0.05,0,0.01,1200,0,0,0\n")
+    words = [CASE, *mesh, "-number", "0", "-particles", disks, "-ramp", "0.01", "-dt", "0.002", "-cfl", "0", "-every", "0", "-tend", "0.06", "-forces", "1", "-checkpoint", "10"]
+    whole, broken = broken_off(words, tmp_path, 20)
+    for name in ("particles.csv", "forces.csv"):
+        assert (broken / name).read_bytes() == (whole / name).read_bytes(), name
+    assert [numbers(whole, "fluid.csv")["particles"][k] for k in (20, -1)] == [3, 2]  # one leaves after the restart
+
+
+def test_budgets_and_shapes_outlive_a_restart(tmp_path):
+    words = ["cases/ellipse_in_shear.edp", "-tend", "0.1", "-dt", "0.01", "-checkpoint", "5"]
+    whole, broken = broken_off(words, tmp_path / "ellipse", 5)
+    words = ["cases/settling_disk.edp", "-mesh", "meshes/settling_disk.mesh", "-dt", "0.002", "-tend", "0.02", "-budget", "1", "-checkpoint", "5"]
+    box = broken_off(words, tmp_path / "box", 5)
+    for name, (a, b) in (("shapes.csv", (whole, broken)), ("particles.csv", (whole, broken)), ("budget.csv", box)):
+        assert (a / name).read_bytes() == (b / name).read_bytes(), name
+
+
+def test_a_restart_beside_the_run_itself_is_refused_and_takes_nothing(mesh, tmp_path):
+    run = start(tmp_path / "run", mesh, [*SCENE, "-tend", "20", *OFTEN])
+    try:
+        time.sleep(0.1)
+        run.send_signal(signal.SIGSTOP)  # some steps behind its last checkpoint
+        before = (tmp_path / "run" / "fluid.csv").read_bytes()
+        second = run_freefem(CASE, *mesh, *SCENE, "-tend", "20", *OFTEN, "-restart", tmp_path / "run", check=False)
+        assert second.returncode == 3 and "another run is writing" in second.stderr
+        assert (tmp_path / "run" / "fluid.csv").read_bytes() == before
+    finally:
+        run.kill()
+        run.wait()
+
+
+def test_a_restart_knows_its_folder_and_its_mesh(mesh, unbroken, tmp_path):
+    shutil.copytree(unbroken, tmp_path / "run")
+    again = run_freefem(CASE, *mesh, *WHOLE, "-restart", tmp_path / "run", "-out", f"{tmp_path}/run/", "-overwrite", "1")
+    assert "goes on from t" in again.stdout
+    assert_same(tmp_path / "run", unbroken)
+    lines = open(mesh[1]).read().splitlines()
+    at = lines.index("Vertices") + 2
+    number = int(lines[at - 1])
+    for k in range(at, at + number):
+        x, y, label = lines[k].split()
+        lines[k] = f"{1.02 * float(x)!r} {y} {label}"
+    (tmp_path / "stretched.mesh").write_text("\n".join(lines) + "\n")
+    other = run_freefem(CASE, "-mesh", tmp_path / "stretched.mesh", *WHOLE, "-restart", unbroken, "-out", tmp_path / "other", check=False)
+    assert other.returncode == 3 and "another mesh" in other.stderr

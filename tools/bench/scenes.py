@@ -63,7 +63,7 @@ def settling(scheme, cells, dt, out, limit):
     """Mean fall velocity over 0.3 to 0.4 s with `cells` elements across the disk, larger ones away from its path."""
     folder = out / "runs" / f"settling_{scheme}_{cells}_{dt:g}"
     done = finished(run_case("cases/settling_disk.edp", {
-        "-mesh": str(mesh("box_corridor", f"corridor_{cells}", out, "--size", f"{0.25 / cells:.12g}", *PATH)), "-scheme": scheme, "-dt": dt, "-tend": 0.4},
+        "-mesh": str(mesh("box_corridor", f"corridor_{cells}", out, "--size", f"{0.25 / cells:.12g}", *PATH)), "-scheme": scheme, "-dt": dt, "-tend": 0.4, "-every": 0.005},
         out=folder, limit=limit))
     value = quantities.mean_v(RunFolder(folder), 0.3, 0.4)
     return {"unknowns": unknowns(folder), "cpu_s": done.cpu_s, "error": abs(value / FALL - 1), "memory_mb": done.memory_mb}
