@@ -42,6 +42,19 @@ def freefem():
 
 
 @pytest.fixture
+def freefem_refused():
+    """A function (status, script, *args) that runs a script which must end with that status and one line; returns the line."""
+
+    def run(status, script, *args):
+        done = run_freefem(script, *args, check=False)
+        lines = done.stderr.strip().splitlines()
+        assert done.returncode == status and len(lines) == 1 and lines[0].startswith("error: "), (done.returncode, done.stderr)
+        return lines[0]
+
+    return run
+
+
+@pytest.fixture
 def freefem_text(tmp_path):
     """A function (text of a script, *args, check, timeout) that runs it as run_freefem does."""
 

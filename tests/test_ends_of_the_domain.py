@@ -1,0 +1,89 @@
+"""Where a domain ends: plates that move along themselves, the seam of a period, inlets; and what the published scheme refuses."""
+import numpy as np
+import pytest
+
+from tools.run_folder import RunFolder
+from tools.tables import read_table
+
+HEAD = "id,x,y,radius,density,u,v,omega\n"
+
+
+def particles(folder, *rows):
+    path = folder / "disks.csv"
+    path.write_text(HEAD + "".join(f"{','.join(map(str, row))}\n" for row in rows))
+    return path
+
+
+def test_a_moving_plate_stops_a_disk(freefem, tmp_path):
+    disks = particles(tmp_path, (5, 0.6, 0.8, 0.08, 50, 0, 2, 0))
+    words = ["cases/couette_disk.edp", "-particles", disks, "-reynolds", "10", "-dt", "0.005", "-tend", "0.15"]
+    freefem(*words, "-every", "0", "-out", tmp_path / "all")
+    run = RunFolder(tmp_path / "all")
+    fluid, disk = run.table("fluid"), run.table("particles")
+    thrown = disk["id"] == 5
+    assert fluid["contacts"].max() == 1
+    assert (1 - 0.08 - disk["y"][thrown]).min() > -1e-9 and disk["v"][thrown].max() > 1
+    freefem(*words, "-every", "0.07", "-out", tmp_path / "few")
+    few = RunFolder(tmp_path / "few").table("fluid")
+    assert len(few["t"]) < 5 and few["worst_gap"].min() == fluid["worst_gap"].min()
+
+
+def test_no_disk_passes_through_another_across_the_seam(freefem_refused, tmp_path):
+    pair = particles(tmp_path, (5, 0.95, 0.8, 0.08, 1, 0, 0, 0), (6, 0.04, 0.8, 0.08, 1, 0, 0, 0))
+    line = freefem_refused(5, "cases/couette_disk.edp", "-particles", pair, "-tend", "0.01", "-out", tmp_path / "start")
+    assert "5 and 6 meet across the seam" in line
+    pair = particles(tmp_path, (5, 0.85, 0.8, 0.08, 50, 2, 0, 0), (6, 0.15, 0.8, 0.08, 50, -2, 0, 0))
+    line = freefem_refused(5, "cases/couette_disk.edp", "-particles", pair, "-reynolds", "10", "-dt", "0.005", "-tend", "0.2", "-every", "0", "-out", tmp_path / "run")
+    assert "meet across the seam" in line
+    table = read_table(tmp_path / "run" / "particles.csv")
+    assert len(np.unique(table["t"])) > 3  # the rows before are there
+
+
+def test_a_disk_beyond_a_plate_of_a_periodic_domain_is_refused(freefem_refused, tmp_path):
+    out = particles(tmp_path, (5, 0.5, 1.6, 0.08, 1, 0, 0, 0))
+    assert "outside the mesh" in freefem_refused(5, "cases/couette_disk.edp", "-particles", out, "-tend", "0.01", "-out", tmp_path / "run")
+
+
+def test_a_disk_that_leaves_by_the_inlet_is_taken_out(freefem, coarse, tmp_path):
+    disks = particles(tmp_path, (5, 0.03, 0, 0.01, 5000, -6, 0, 0))
+    freefem("cases/pipe_obstacles.edp", "-mesh", coarse, "-number", "0", "-particles", disks, "-tend", "0.05", "-every", "0", "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    assert run.table("fluid")["particles"][-1] == 0
+    assert run.table("particles")["x"].min() > -0.03  # out of the fluid nothing moves it on
+
+
+def test_published_scheme_starts_with_the_velocities_given(freefem, tmp_path):
+    disks = particles(tmp_path, (5, 0.5, 2, 0.25, 2, 0, -5, 0))
+    freefem("cases/settling_disk.edp", "-particles", disks, "-scheme", "published", "-dt", "0.001", "-tend", "0.001", "-out", tmp_path / "run")
+    table = RunFolder(tmp_path / "run").table("particles")
+    # the fluid takes its share at once: two thirds are left of -5, and gravity adds 0.3
+    assert table["v"][table["id"] == 5][-1] == pytest.approx(-5 * 2 / 3 - 0.3, rel=0.25)
+
+
+def test_published_scheme_carries_a_disk_over_the_seam(freefem, tmp_path):
+    disks, found = particles(tmp_path, (5, 0.92, 0.75, 0.1, 1, 0.25, 0, 0)), {}
+    for scheme in ("standard", "published"):
+        freefem("cases/couette_disk.edp", "-particles", disks, "-reynolds", "0", "-scheme", scheme, "-dt", "0.02", "-tend", "0.8", "-out", tmp_path / scheme)
+        table = RunFolder(tmp_path / scheme).table("particles")
+        beyond = (table["id"] == 5) & (table["x"] > 1)
+        found[scheme] = {name: table[name][beyond].mean() for name in ("u", "omega")}
+    assert beyond.sum() > 10
+    # in the mean: the turning of a disk with four elements across wavers by a half
+    assert found["published"]["u"] == pytest.approx(found["standard"]["u"], rel=0.05)
+    assert found["published"]["omega"] == pytest.approx(found["standard"]["omega"], rel=0.2)
+
+
+@pytest.mark.parametrize("words, complaint", [
+    (["cases/rotating_cylinder.edp", "-scheme", "published"], "held"),
+    (["cases/ellipse_in_shear.edp", "-scheme", "published"], "ellipse"),
+    (["cases/segre_silberberg.edp", "-scheme", "published"], "periodic"),
+    (["cases/couette_disk.edp", "-scheme", "published"], "periodic"),
+    (["cases/settling_disk.edp", "-scheme", "published", "-forces", "1"], "-forces"),
+    (["cases/settling_disk.edp", "-scheme", "published", "-budget", "1"], "-budget"),
+    (["cases/settling_disk.edp", "-scheme", "published", "-checkpoint", "5"], "-checkpoint"),
+    (["cases/settling_disk.edp", "-contact-form", "ballistic"], "contacts alone"),
+    (["cases/couette_disk.edp", "-budget", "1"], "closed box"),
+])
+def test_what_a_scheme_does_not_do_is_refused_before_there_is_a_folder(freefem_refused, tmp_path, words, complaint):
+    assert complaint in freefem_refused(3, *words, "-out", tmp_path / "run")
+    assert not (tmp_path / "run").exists()
