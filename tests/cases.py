@@ -21,6 +21,7 @@ CASES = {
     "turbulent_step": ["-size", "0.25", "-inlet", "5", "-outlet", "12", "-tolerance", "0.1"],
     "diaphragm_loss": ["-cells", "6", "-outlet", "6", "-tolerance", "0.1"],
     "settling_disk": ["-tend", "0.01"],
+    "template": ["-tend", "0.01"],
     "drafting_kissing_tumbling": ["-tend", "0.002"],
     "cylinder_between_plates": ["-tend", "0.01"],
     "cylinder_array": ["-tend", "0.01"],

@@ -140,10 +140,10 @@ def test_the_published_scheme_runs_the_same_case(coarse, tmp_path):
 BAD = [
     (["-tned", "0.2"], 3, "the nearest is -tend"),
     (["-mesh", "none.mesh"], 3, "cannot read the mesh file"),
-    (["-mesh", "meshes/settling_disk.mesh"], 3, "no edge with label"),
+    (["-mesh", "meshes/settling_disk.mesh"], 3, "the mesh reaches from"),
     (["-dmin", "0.03", "-dmax", "0.01"], 3, "above the largest"),
     (["-dmax", "0.25"], 3, "does not fit"),
-    (["-particles", "{overlap}"], 5, "overlaps at the start"),
+    (["-particles", "{overlap}"], 5, "at the start"),
     (["-particles", "{outside}"], 5, "outside the mesh"),
     (["-particles", "{broken}"], 3, "missing or bad number"),
     (["-particles", "{header}"], 3, "first line"),

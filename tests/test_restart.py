@@ -192,7 +192,7 @@ def test_a_restart_knows_its_folder_and_its_mesh(mesh, unbroken, tmp_path):
     number = int(lines[at - 1])
     for k in range(at, at + number):
         x, y, label = lines[k].split()
-        lines[k] = f"{1.02 * float(x)!r} {y} {label}"
+        lines[k] = f"{float(x) + 0.02 * float(x) * (1 - float(x))!r} {y} {label}"
     (tmp_path / "stretched.mesh").write_text("\n".join(lines) + "\n")
     other = run_freefem(CASE, "-mesh", tmp_path / "stretched.mesh", *WHOLE, "-restart", unbroken, "-out", tmp_path / "other", check=False)
     assert other.returncode == 3 and "another mesh" in other.stderr

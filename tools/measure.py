@@ -24,4 +24,6 @@ def main(report, command):
 
 
 if __name__ == "__main__":
+    if len(sys.argv) < 3:
+        sys.exit(f"usage: {sys.argv[0]} REPORT COMMAND...")
     sys.exit(main(sys.argv[1], sys.argv[2:]))

@@ -63,7 +63,7 @@ def plot_fields(run, path, number=6):
         if run.has("particles"):
             particle_artists(one, run.particles_at(t))
         frame(one, run.extent, length)
-        one.set_title(time_text(t, second), pad=3)
+        one.set_title(time_text(t, second, chosen[-1][0]), pad=3)
     if drawn is not None:
         figure.colorbar(drawn, cax=bar, extend=extend).set_label(f"velocity magnitude ({length}/{second})")
     else:
@@ -89,7 +89,7 @@ def broken(track, extent):
 
 
 def plot_trajectories(run, path):
-    """Paths of the centres coloured by diameter; the disk stands at its last place inside."""
+    """Paths of the centres coloured by diameter; a disk where a particle is at the end, none where it has left."""
     tracks = list(run.tracks.values())
     if not tracks:
         raise BadInput(f"{run.folder / 'particles.csv'} has no rows: no trajectory to draw")
@@ -99,14 +99,17 @@ def plot_trajectories(run, path):
     low, high = diameters.min(), diameters.max()
     several = high - low > 1e-6 * high
     scale = plt.Normalize(low, high) if several else plt.Normalize(0.5 * low, 1.5 * high)
-    ends = []
+    ends, colours, last = [], [], max(track["t"][-1] for track in tracks)
     for track, diameter in zip(tracks, diameters):
         colour = LINE_MAP(scale(diameter))
         for piece in broken(track, run.extent):
             axes.plot(piece[:, 0], piece[:, 1], color=colour, linewidth=1.1, alpha=0.9, zorder=3, solid_capstyle="round")
+        if track["t"][-1] < last:
+            continue
+        colours.append(colour)
         ends.append([0] + [track[name][-1] for name in ("x", "y", "theta", "radius")] + [track["radius"][-1] * run.aspect(track["id"][0])])
     disks, _ = particle_artists(axes, np.array(ends).T, zorder=5)
-    disks.set_facecolor(LINE_MAP(scale(diameters)))
+    disks.set_facecolor(colours)
     disks.set_alpha(0.75)
     draw_outline(axes, run.mesh)
     frame(axes, run.extent, length)

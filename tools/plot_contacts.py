@@ -129,7 +129,7 @@ def plot_frames(run, path, times=None):
             reach = 1.6 * frame["radius"][moving]
             right.quiver(frame["x"][moving], frame["y"][moving], reach * direction[:, 0], reach * direction[:, 1], color="black",
                          angles="xy", scale_units="xy", scale=1, width=0.008, headwidth=4, headlength=4.5, headaxislength=4, zorder=5)
-        left.set_title(time_text(run.times[places[cell]]), loc="left", pad=2)
+        left.set_title(time_text(run.times[places[cell]], last=run.times[places[-1]]), loc="left", pad=2)
         last = cell + 2 >= len(places)
         for axis in (left, right):
             axis.tick_params(labelbottom=last, labelleft=axis is axes[cell // 2, 0], length=2)
@@ -249,7 +249,8 @@ def main(words=None):
     out.mkdir(parents=True, exist_ok=True)
     if "frames" in given.only:
         print(plot_frames(run, out / "frames.png", given.times))
-    if "chains" in given.only:
+    met = len(read_table(run.folder / "contacts.csv")["t"]) > 0
+    if "chains" in given.only and (met or given.only is not MADE):
         print(plot_chains(run, out / "chains.png"))
     if "energy" in given.only:
         print(plot_energy(run, out / "energy.png"))

@@ -44,7 +44,7 @@ def plot_transport(run, path, times=None):
         inside = run.particles_at(t)
         particle_artists(one, inside)
         frame(one, run.extent, run.units["length"])
-        one.set_title(f"{time_text(t)}: {inside.shape[1]} inside", pad=3)
+        one.set_title(f"{time_text(t, last=max(times))}: {inside.shape[1]} inside", pad=3)
     if drawn is None:
         bar.remove()
     else:
@@ -67,6 +67,8 @@ def main(words=None):
     """Make both pictures."""
     given = parser().parse_args(words)
     run = RunFolder(given.run)
+    if not run.has("steps"):
+        raise BadInput(f"{given.run} is no run of a transport case (it has no steps.csv); python -m tools.plot draws it")
     times = None
     if given.times:
         try:

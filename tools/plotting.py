@@ -150,9 +150,11 @@ def speed_top(speeds):
     return (high, "max") if 0 < high < 0.97 * most else (most, "neither")
 
 
-def time_text(t, unit="s"):
-    """A time for a title."""
-    return f"t = {t:.4g} {unit}"
+def time_text(t, unit="s", last=None):
+    """A time for a title; with the last time of the run, all of them with as many decimals."""
+    if last is None or not last > 0:
+        return f"t = {t:.4g} {unit}"
+    return f"t = {t:.{max(0, 2 - int(np.floor(np.log10(last))))}f} {unit}"
 
 
 def save(figure, path):

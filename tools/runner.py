@@ -47,9 +47,10 @@ class Done:
 
 def freefem():
     """The program that runs scripts."""
-    name = os.environ.get("FREEFEM") or "FreeFem++"
-    found = shutil.which(name) or shutil.which("FreeFem++-nw")
+    name = os.environ.get("FREEFEM")
+    found = shutil.which(name) if name else shutil.which("FreeFem++") or shutil.which("FreeFem++-nw")
     if not found:
+        name = name or "FreeFem++"
         raise BadInput(f"the program {name} is not there: install FreeFEM (make setup) or name it in FREEFEM")
     return found
 

@@ -85,11 +85,12 @@ def make_mesh(study, size):
     return path
 
 
-def fingerprint(study, options, mesh):
-    """What a run depends on, as a short hash: script, libraries, options, mesh, program."""
-    total = hashlib.sha256(json.dumps([study.script, sorted(map(str, options.items())), freefem()]).encode())
-    files = [ROOT / study.script, *itertools.chain(*(sorted(ROOT.glob(pattern)) for pattern in SOURCES))]
-    for path in files + ([mesh] if mesh else []):
+def fingerprint(script, options, mesh=None):
+    """What a run depends on, as a short hash: script, libraries, options, mesh (None: the case's own), program."""
+    total = hashlib.sha256(json.dumps([script, sorted(map(str, options.items())), freefem()]).encode())
+    files = [ROOT / script, *itertools.chain(*(sorted(ROOT.glob(pattern)) for pattern in SOURCES))]
+    own = re.search(r'optDefault\("-mesh", "([^"]+)"\)', files[0].read_text(encoding="utf-8"))
+    for path in files + ([mesh] if mesh else [ROOT / own[1]] if own else []):
         total.update(path.read_bytes())
     return total.hexdigest()[:20]
 
@@ -107,7 +108,7 @@ def one_run(study, size, dt, mesh):
         options["-mesh"] = str(mesh)
     if dt is not None:
         options["-dt"] = float(dt)
-    key = fingerprint(study, options, mesh)
+    key = fingerprint(study.script, options, mesh)
     try:
         old = json.loads(note.read_text())
     except (OSError, ValueError):
@@ -306,7 +307,10 @@ def main(words=None, mesh_maker=make_mesh):
         path = draw_study(study, records, name, references[name], extrapolated(study, records, name)[1])
         print(f"figure: {path}" if path else f"figure of {name}: left out, no finite error")
     print(f"table: {study.out / 'study.csv'}")
-    return 1 if any(r["status"] != 0 or any(why for _, why in r["values"].values()) for r in records) else 0
+    failed = sum(r["status"] != 0 or any(why for _, why in r["values"].values()) for r in records)
+    if failed:
+        print(f"error: {failed} of {len(records)} runs gave no value; the reasons stand above and in the table", file=sys.stderr)
+    return 1 if failed else 0
 
 
 if __name__ == "__main__":

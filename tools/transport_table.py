@@ -4,7 +4,7 @@
     python -m tools.transport_table --runs RUN RUN ...
 
 Runs cases/pipe_transport.edp once a seed (options behind are handed to it; runs that are
-there and finished with the same options are kept: remove DIR after a change of the scripts) and writes table.csv and table.png into
+there, made by the same sources, mesh and options, are kept) and writes table.csv and table.png into
 DIR (default results/transport_table). Per class, in per cent of its particles, mean and
 standard deviation over the seeds:
   carried through   left by the outlet before the end of the run
@@ -25,6 +25,7 @@ from tools.command import ROOT, BadInput, Parser, guarded
 from tools.plotting import PAGE_WIDTH, CURVES, plt, save
 from tools.run_folder import RunFolder
 from tools.runner import run_case
+from tools.study import fingerprint
 from tools.tables import write_table
 
 CASE = "cases/pipe_transport.edp"
@@ -91,13 +92,11 @@ def plot_table(rows, path, seeds):
     return save(figure, path)
 
 
-def finished(folder, options):
-    """True if a finished run with these options stands in the folder."""
+def finished(folder, mark):
+    """True if a finished run with this fingerprint stands in the folder."""
     try:
-        info = json.loads((folder / "run.json").read_text())
-        given = info.get("parameters", {})
-        return info.get("status") == "finished" and all(str(given.get(name)) == str(value) or float(given.get(name)) == float(value) for name, value in options.items())
-    except (OSError, ValueError, TypeError):
+        return json.loads((folder / "run.json").read_text())["status"] == "finished" and (folder / "made_of").read_text() == mark
+    except (OSError, ValueError, KeyError):
         return False
 
 
@@ -105,10 +104,12 @@ def compute(seeds, out, options, jobs):
     """The run folders, one a seed; those that are missing are made."""
     def one(seed):
         folder, wanted = out / f"seed_{seed:03d}", {**options, "-seed": seed}
-        if not finished(folder, wanted):
+        mark = fingerprint(CASE, wanted)
+        if not finished(folder, mark):
             done = run_case(CASE, wanted, out=folder)
             if not done.ok:
                 raise BadInput(f"seed {seed}: {done.reason}")
+            (folder / "made_of").write_text(mark)
             print(f"seed {seed}: {done.cpu_s:.1f} s of CPU", flush=True)
         return folder
     first = one(1)  # the steady flow is made once

@@ -8,12 +8,12 @@ of Erturk (Comput. Fluids 37 (2008) 633). Shares nothing with the suite. CELLS: 
 height, each grid a row of lengths in step heights, the last row extrapolated to no spacing from the
 two finest with the error as its square (default 20 30 45: 2 minutes).
 """
-import sys
-
 import numpy as np
 import scipy.sparse as sp
 from scipy.interpolate import RegularGridInterpolator
 from scipy.sparse.linalg import splu
+
+from tools.command import BadInput, Parser, guarded
 
 INLET, OUTLET, EVEN = 20.0, 60.0, 26.0  # lengths before and behind the step, and that of the even grid, heights
 CONTINUED = (100, 200, 300, 400, 500, 600, 700, 800)
@@ -101,7 +101,7 @@ class Grid:
                 break
             if largest < tolerance:
                 return state
-        sys.exit(f"error: no solution at Reynolds number {reynolds} on this grid; take more cells")
+        raise BadInput(f"no solution at Reynolds number {reynolds} on this grid; take more cells")
 
     def over(self, other, state):
         """A state of another grid, linearly on this one."""
@@ -122,12 +122,11 @@ class Grid:
 
 
 def main():
-    try:
-        cells = sorted(map(int, sys.argv[1:])) or [20, 30, 45]
-    except ValueError:
-        cells = [0]
+    parser = Parser(prog="python -m tools.peers.step_by_differences", description=__doc__)
+    parser.add_argument("cells", metavar="CELLS", type=int, nargs="*", default=[20, 30, 45], help="cells in a step height, at least 15 (default 20 30 45)")
+    cells = sorted(parser.parse_args().cells)
     if cells[0] < 15 or len(set(cells)) < len(cells):
-        sys.exit(f"usage: {sys.argv[0]} CELLS ... (different whole numbers, at least 15 in a step height)")
+        raise BadInput("CELLS are different whole numbers, at least 15 in a step height")
     print("cells," + ",".join(NAMES))
     rows, last = [], None
     for count in cells:
@@ -146,4 +145,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    guarded(main)

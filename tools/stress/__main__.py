@@ -1,6 +1,6 @@
 """Stability maps: where the schemes are accurate, stable, stop with a reason, or break.
 
-    python -m tools.stress                    all maps (make stress; about an hour on one core)
+    python -m tools.stress                    all maps (make stress; half an hour of CPU)
     python -m tools.stress --quick            a few cells of each (make stress QUICK=1)
     python -m tools.stress dt_density gap     some maps
     python -m tools.stress --list             what there is
