@@ -85,8 +85,9 @@ def draw_study(study, records, quantity, reference, uncertainty):
         axes.grid(True)
         if math.isfinite(uncertainty) and uncertainty > 0 and not study.references:
             axes.axhspan(0, percent * uncertainty, color="#dddddd", zorder=0, label="uncertainty of the limit")
-    values = list(error.values())
-    panels[0].set_ylim(0.5 * min(values), 2.0 * max(values))
+    values = [value for value in error.values() if value > 0]
+    if values:
+        panels[0].set_ylim(0.5 * min(values), 2.0 * max(values))
     for axes, (key, _, _) in zip(panels, axes_of):
         plain(axes.xaxis, [r[key] for r in rows if r[key] is not None])
     plain(last.xaxis)
