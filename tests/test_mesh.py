@@ -295,3 +295,13 @@ def test_default_meshes_command_knows_its_names():
 def test_make_returns_no_fault():
     mesh, found = make(parser().parse_args(["channel", "--out", "unused.mesh"]))
     assert found == [] and len(mesh.points) == 65 * 17
+
+
+def test_what_is_no_mesh_is_not_written_over(tmp_path):
+    note = tmp_path / "note.mesh"
+    note.write_text("precious")
+    for name, complaint in ((note, "is no mesh"), (tmp_path / "README.md", "ends with .mesh"), (tmp_path / "my box.mesh", "without spaces")):
+        run = command("box", "--size", 0.5, "--out", name)
+        assert run.returncode == 3 and complaint in run.stderr and len(run.stderr.splitlines()) == 1
+    assert note.read_text() == "precious" and [file.name for file in tmp_path.iterdir()] == ["note.mesh"]
+    assert command("box", "--size", 0.5, "--out", tmp_path / "box.mesh").returncode == 0 == command("box", "--size", 0.4, "--out", tmp_path / "box.mesh").returncode

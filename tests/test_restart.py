@@ -74,7 +74,8 @@ def test_a_damaged_checkpoint_is_passed_over(mesh, unbroken, tmp_path):
     run.wait()
     newest = sorted((tmp_path / "run").glob("restart_*.sha"))[-1].with_suffix(".txt")
     newest.write_bytes(newest.read_bytes()[:-1000])
-    run_freefem(CASE, *mesh, *WHOLE, "-restart", tmp_path / "run")
+    again = run_freefem(CASE, *mesh, *WHOLE, "-restart", tmp_path / "run")
+    assert "1 newer, damaged" in again.stdout
     assert_same(tmp_path / "run", unbroken)
 
 
@@ -94,7 +95,8 @@ def test_what_cannot_go_on_is_refused(mesh, unbroken, tmp_path):
 
     before = (unbroken / "fluid.csv").read_bytes()
     assert "no whole checkpoint" in refused(CASE, *mesh, *WHOLE, "-restart", tmp_path / "nothing")
-    assert "other options" in refused(CASE, *mesh, *WHOLE, "-reynolds", "500", "-restart", unbroken)
+    assert "other options (-reynolds=1000)" in refused(CASE, *mesh, *WHOLE, "-reynolds", "500", "-restart", unbroken)
+    assert "behind -tend" in refused(CASE, *mesh, *SCENE, "-tend", "0.02", *OFTEN, "-restart", unbroken)
     assert "is of the case" in refused("cases/settling_disk.edp", "-restart", unbroken)
     assert "another mesh" in refused(CASE, *WHOLE, "-restart", unbroken, "-out", tmp_path / "other")
     assert (unbroken / "fluid.csv").read_bytes() == before

@@ -202,3 +202,19 @@ def test_a_stopped_study_ends_its_runs_and_goes_on_later(case, tmp_path):
     process.send_signal(signal.SIGINT)
     assert process.wait(20) == 130 and time.perf_counter() - begin < 10
     assert not list((tmp_path / "out" / "runs").glob("*.json"))
+
+
+def test_a_run_that_is_ended_while_it_starts_does_not_go_on(monkeypatch):
+    import time
+    from tools import runner
+    make = runner.subprocess.Popen
+
+    def made_as_all_is_ended(*words, **options):
+        process = make(*words, **options)
+        runner.end_all()
+        return process
+    monkeypatch.setattr(runner.subprocess, "Popen", made_as_all_is_ended)
+    begin = time.perf_counter()
+    with pytest.raises(runner.Stopped):
+        runner.run_command(["sleep", "60"])
+    assert time.perf_counter() - begin < 20 and not runner.LIVE

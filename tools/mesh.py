@@ -8,8 +8,9 @@ readmesh with labels.
 Exit statuses: 0 written, 3 bad option or file (one line), 4 a mesh that failed its check.
 """
 import sys
+from pathlib import Path
 
-from tools.command import Parser, guarded
+from tools.command import BadInput, Parser, guarded
 
 try:
     from tools.meshing import CASES
@@ -43,8 +44,21 @@ def make(options):
     return mesh, faults(mesh, outline)
 
 
+def is_foreign(path):
+    """True for a file that is there and is no mesh of this format."""
+    try:
+        return path.exists() and "MeshVersionFormatted" not in path.read_bytes()[:200].decode("latin-1")
+    except OSError:
+        return True
+
+
 def main():
     options = parser().parse_args()
+    path = Path(options.out)
+    if path.suffix != ".mesh" or any(sign.isspace() for sign in path.name):
+        raise BadInput(f"--out needs a file name without spaces that ends with .mesh, not '{options.out}'")
+    if is_foreign(path):
+        raise BadInput(f"'{options.out}' is there and is no mesh; give another name")
     mesh, found = make(options)
     if found:
         print(f"error: the mesh was not written: {found[0]}; ask for smaller elements or other dimensions", file=sys.stderr)

@@ -20,9 +20,14 @@ from pathlib import Path
 from tools.command import ROOT, BadInput
 
 MEASURE = Path(__file__).with_name("measure.py")
-LIVE = set()  # the processes under way, for end_all
+LIVE = set()  # the runs under way, for end_all
 STATUSES = {1: "syntax error", 2: "a plug-in cannot be loaded", 3: "bad option or input file", 4: "solver failure",
             5: "inadmissible scene", 6: "assertion inside FreeFEM", 8: "error at run time"}
+
+
+class Started:
+    """A run under way; its process, once there is one."""
+    process = None
 
 
 class Stopped(Exception):
@@ -84,12 +89,15 @@ def run_command(command, limit=None, cwd=ROOT):
     begin = time.perf_counter()
     with tempfile.TemporaryDirectory() as folder:
         report, log = Path(folder) / "cost", Path(folder) / "log"
+        run = Started()
+        LIVE.add(run)
         with open(log, "w") as stream:
-            process = subprocess.Popen([sys.executable, "-I", "-S", str(MEASURE), str(report), *map(str, command)],
+            run.process = process = subprocess.Popen([sys.executable, "-I", "-S", str(MEASURE), str(report), *map(str, command)],
                                        cwd=cwd, stdout=stream, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
                                        env={**os.environ, **threads}, start_new_session=True)
-            LIVE.add(process)
             try:
+                if run not in LIVE:  # end_all came while the process was being made
+                    end_group(process)
                 process.wait(limit)
                 stopped = False
             except BaseException as problem:
@@ -98,8 +106,8 @@ def run_command(command, limit=None, cwd=ROOT):
                 if not isinstance(problem, subprocess.TimeoutExpired):
                     raise
             finally:
-                ended_from_outside = process not in LIVE
-                LIVE.discard(process)
+                ended_from_outside = run not in LIVE
+                LIVE.discard(run)
             if ended_from_outside:
                 raise Stopped
         text = log.read_text(errors="replace")
@@ -116,9 +124,10 @@ def run_command(command, limit=None, cwd=ROOT):
 
 def end_all():
     """End the runs that are under way in any thread of this process; they raise Stopped there."""
-    for process in list(LIVE):
-        LIVE.discard(process)
-        end_group(process)
+    for run in list(LIVE):
+        LIVE.discard(run)
+        if run.process:
+            end_group(run.process)
 
 
 def end_group(process):

@@ -7,6 +7,16 @@ import time
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NGS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 
+
+def explained(kind, problem, trace):
+    """A missing package in one line, other faults as they come."""
+    if issubclass(kind, ModuleNotFoundError):
+        print(f"error: the package {problem.name} is not there; make bench installs what it compares with", file=sys.stderr)
+    else:
+        sys.__excepthook__(kind, problem, trace)
+
+
+sys.excepthook = explained
 HEIGHT, LENGTH, CENTRE, RADIUS, NU = 0.41, 2.2, (0.2, 0.2), 0.05, 1e-3
 
 

@@ -1,4 +1,4 @@
-"""Where a domain ends: plates that move along themselves, the seam of a period, inlets; and what the published scheme refuses."""
+"""Where a domain ends: plates that move along themselves, the seam of a period, inlets; and what is refused at the start."""
 import numpy as np
 import pytest
 
@@ -87,3 +87,27 @@ def test_published_scheme_carries_a_disk_over_the_seam(freefem, tmp_path):
 def test_what_a_scheme_does_not_do_is_refused_before_there_is_a_folder(freefem_refused, tmp_path, words, complaint):
     assert complaint in freefem_refused(3, *words, "-out", tmp_path / "run")
     assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("words", [["-dt"], ["-number"], ["-mesh"], ["-scheme"], ["-dt", "0.01", "-dt", "0.02"], ["-seed", "1", "-seed", "2"]], ids=" ".join)
+def test_an_option_without_a_value_or_twice_is_refused_by_a_case(freefem_refused, words):
+    assert f"option {words[0]} " in freefem_refused(3, "cases/pipe_obstacles.edp", *words)
+
+
+def test_a_folder_with_other_files_is_left_alone(freefem_refused, tmp_path):
+    (tmp_path / "particles.csv").write_text("precious")
+    for more in ([], ["-overwrite", "1"]):
+        assert "holds files, but no run" in freefem_refused(3, "cases/settling_disk.edp", "-tend", "0.01", "-out", tmp_path, *more)
+    assert (tmp_path / "particles.csv").read_text() == "precious" and len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_pipe_of_another_size_than_its_mesh_is_refused(freefem_refused):
+    for words in (["-radius", "0.2"], ["-length", "5"]):
+        assert "not what -length and -radius say" in freefem_refused(3, "cases/pipe_obstacles.edp", *words)
+
+
+@pytest.mark.parametrize("rows, complaint", [("5,1,2,x,2\n", "line 2"), ("", "names no particle"), ("5,1,2,0.1,2\n\n6,1,3,0.1\n", "line 4")])
+def test_a_bad_file_of_particles_is_refused_with_its_line(freefem_refused, tmp_path, rows, complaint):
+    file = tmp_path / "disks.csv"
+    file.write_text("id,x,y,radius,density\n" + rows)
+    assert complaint in freefem_refused(3, "cases/settling_disk.edp", "-particles", file)
