@@ -4,7 +4,7 @@
     python -m tools.bench_contacts --out results/bench_contacts
 
 Random packings with walls. For each number of disks: the project's default, its other
-solvers where they end in time, and the PyPI packages piqp, clarabel, scs, osqp, which are
+solvers where they end in time, and the packages piqp, clarabel, scs, osqp, which are
 installed where they are missing. Each package gets the assembled matrices and is asked for
 tighter and tighter tolerances until the residual, recomputed for all by one formula
 (tools/contact_problems.residual), is low enough; only its last, successful solve counts.
