@@ -249,8 +249,7 @@ def main(words=None):
     out.mkdir(parents=True, exist_ok=True)
     if "frames" in given.only:
         print(plot_frames(run, out / "frames.png", given.times))
-    met = len(read_table(run.folder / "contacts.csv")["t"]) > 0
-    if "chains" in given.only and (met or given.only is not MADE):
+    if "chains" in given.only and (given.only is not MADE or (run.folder / "contacts.csv").read_text().count("\n") > 1):
         print(plot_chains(run, out / "chains.png"))
     if "energy" in given.only:
         print(plot_energy(run, out / "energy.png"))
