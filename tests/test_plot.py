@@ -125,6 +125,20 @@ def test_a_track_across_a_periodic_seam_is_cut():
     assert [len(piece) for piece in pieces] == [2, 2]
 
 
+def test_particles_of_a_periodic_run_are_drawn_inside_and_on_both_sides_of_its_seams(tmp_path):
+    (tmp_path / "run.json").write_text('{"case": "made_up", "period": [2, 1]}')
+    head = "step,t,id,x,y,theta,u,v,omega,radius\n"
+    (tmp_path / "particles.csv").write_text(head + "0,0,4,7.05,0.5,0,1,0,0,0.1\n0,0,5,-0.05,-0.02,0,1,0,0,0.1\n1,1,4,6.75,0.5,0,1,0,0,0.1\n1,1,5,-0.05,0.98,0,1,0,0,0.1\n")
+    run = RunFolder(tmp_path)
+    run.__dict__["extent"] = (1.0, 0.0, 2.0, 1.0)  # as a mesh has it
+    rows = run.particles_at(0.0).T
+    assert np.allclose(sorted(map(tuple, rows[:, :3])), sorted([(4, 1.05, 0.5), (4, 3.05, 0.5), (5, 1.95, 0.98), (5, 1.95, -0.02)]))
+    assert np.allclose(run.particles_at(0.5)[:3, 0], [4, 2.9, 0.5])  # half way
+    assert run.clip == run.extent
+    pieces = plot.broken({"x": run.wrapped(run.tracks[4]["x"], 0), "y": run.wrapped(run.tracks[4]["y"], 1)}, run.extent)
+    assert [len(piece) for piece in pieces] == [1, 1]
+
+
 def test_six_times_are_spread_and_end_at_the_end():
     frames = [(0.1 * k, k) for k in range(61)]
     assert [k for _, k in plot.spread(frames)] == [10, 20, 30, 40, 50, 60]

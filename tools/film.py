@@ -50,7 +50,7 @@ def pictures(run, frames):
         elif bar is not None:
             bar.remove()
             bar = None
-        bodies = particle_artists(axes, run.particles_at(t)) if run.has("particles") else []
+        bodies = particle_artists(axes, run.particles_at(t), clip=run.clip) if run.has("particles") else []
         heading.set_text(f"{run.title}, {time_text(t, second)}")
         figure.canvas.draw()
         picture = np.asarray(figure.canvas.buffer_rgba())[:, :, :3]

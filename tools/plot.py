@@ -61,7 +61,7 @@ def plot_fields(run, path, number=6):
             drawn = draw_speed(one, field[0], speed_of(field[1]), top)
         draw_outline(one, run.mesh)
         if run.has("particles"):
-            particle_artists(one, run.particles_at(t))
+            particle_artists(one, run.particles_at(t), clip=run.clip)
         frame(one, run.extent, length)
         one.set_title(time_text(t, second, chosen[-1][0]), pad=3)
     if drawn is not None:
@@ -102,14 +102,17 @@ def plot_trajectories(run, path):
     ends, colours, last = [], [], max(track["t"][-1] for track in tracks)
     for track, diameter in zip(tracks, diameters):
         colour = LINE_MAP(scale(diameter))
-        for piece in broken(track, run.extent):
+        for piece in broken({"x": run.wrapped(track["x"], 0), "y": run.wrapped(track["y"], 1)}, run.extent):
             axes.plot(piece[:, 0], piece[:, 1], color=colour, linewidth=1.1, alpha=0.9, zorder=3, solid_capstyle="round")
         if track["t"][-1] < last:
             continue
         colours.append(colour)
         ends.append([0] + [track[name][-1] for name in ("x", "y", "theta", "radius")] + [track["radius"][-1] * run.aspect(track["id"][0])])
-    disks, _ = particle_artists(axes, np.array(ends).T, zorder=5)
-    disks.set_facecolor(colours)
+    ends = np.array(ends)
+    ends[:, 0] = np.arange(len(ends))
+    ends = run.images(ends)
+    disks, _ = particle_artists(axes, ends.T, zorder=5, clip=run.clip)
+    disks.set_facecolor([colours[int(k)] for k in ends[:, 0]])
     disks.set_alpha(0.75)
     draw_outline(axes, run.mesh)
     frame(axes, run.extent, length)

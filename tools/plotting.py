@@ -9,7 +9,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.collections import LineCollection, PatchCollection  # noqa: E402
-from matplotlib.patches import Ellipse  # noqa: E402
+from matplotlib.patches import Ellipse, Rectangle  # noqa: E402
 
 from tools.mesh_files import OPEN, SOLID, chains  # noqa: E402
 
@@ -111,9 +111,10 @@ def draw_outline(axes, mesh):
         axes.add_collection(LineCollection(lines, zorder=4, capstyle="round", **style), autolim=False)
 
 
-def particle_artists(axes, particles, zorder=5):
+def particle_artists(axes, particles, zorder=5, clip=None):
     """Particles as neutral disks or ellipses, each with a line from its centre to the rim at theta.
-    particles: (id, x, y, theta, radius, minor) arrays. Returns the artists, for removal."""
+    particles: (id, x, y, theta, radius, minor) arrays; clip: (x0, y0, width, height) beyond which
+    nothing is drawn. Returns the artists, for removal."""
     _, x, y, theta, radius, minor = particles
     if not len(x):
         return []
@@ -123,7 +124,11 @@ def particle_artists(axes, particles, zorder=5):
     ends = np.stack([np.column_stack([x, y]),
                      np.column_stack([x + radius * np.cos(theta), y + radius * np.sin(theta)])], axis=1)
     marks = LineCollection(ends, color=BODY_EDGE, linewidth=0.8, zorder=zorder + 0.1)
-    return [axes.add_collection(disks, autolim=False), axes.add_collection(marks, autolim=False)]
+    artists = [axes.add_collection(disks, autolim=False), axes.add_collection(marks, autolim=False)]
+    if clip:
+        for artist in artists:
+            artist.set_clip_path(Rectangle(clip[:2], *clip[2:], transform=axes.transData))
+    return artists
 
 
 def draw_speed(axes, mesh, speed, top):

@@ -63,6 +63,33 @@ class RunFolder:
         words = set(re.findall("[A-Za-z]+", " ".join(str(unit) for unit in units.values())))
         return {"length": "cm", "time": "s", "mass": "g"} if words & {"cm", "g"} else SI
 
+    @cached_property
+    def period(self):
+        """The period of the domain along x and y, 0 for none."""
+        return tuple(self.info.get("period") or (0.0, 0.0))
+
+    @property
+    def clip(self):
+        """(x0, y0, width, height) beyond which no particle is drawn: that of a periodic domain, else None."""
+        return self.extent if any(self.period) else None
+
+    def wrapped(self, x, axis):
+        """Coordinates brought back into the period."""
+        low, period = self.extent[axis], self.period[axis]
+        return low + np.mod(np.asarray(x) - low, period) if period > 0 else x
+
+    def images(self, rows):
+        """Rows (n, 6) of id, x, y, theta, radius, minor: brought back into the period, with a copy over
+        each seam that a particle crosses."""
+        for axis, period in enumerate(self.period):
+            if period > 0 and len(rows):
+                rows[:, 1 + axis] = self.wrapped(rows[:, 1 + axis], axis)
+                step = np.zeros(6)
+                step[1 + axis] = period
+                low, radius = rows[:, 1 + axis] - self.extent[axis], rows[:, 4]
+                rows = np.vstack([rows, rows[low < radius] + step, rows[low > period - radius] - step])
+        return rows
+
     def has(self, name):
         """True if the run wrote NAME.csv."""
         return (self.folder / f"{name}.csv").is_file()
@@ -152,8 +179,8 @@ class RunFolder:
 
     def particles_at(self, time):
         """(id, x, y, theta, radius, minor) arrays of the particles inside at a time, linear in time
-        between rows; across the seam of a periodic domain the nearer row is taken, and before the
-        first row of the run this one for who was there from the start."""
+        between rows, and before the first row of the run this one for who was there from the start.
+        In a periodic domain images() of them; a table that jumps over its seam gives the nearer row."""
         rows, begin = [], min((track["t"][0] for track in self.tracks.values()), default=0.0)
         if self.has("fluid") and len(self.fluid["t"]) and begin <= self.fluid["t"][0]:
             time = max(time, begin)
@@ -170,11 +197,11 @@ class RunFolder:
             else:
                 low, high = k - 1, k
                 share = float(np.clip((time - times[low]) / max(times[high] - times[low], 1e-300), 0, 1))
-            if any(abs(track[c][high] - track[c][low]) > 0.5 * w for c, w in zip("xy", widths)):
+            if not any(self.period) and any(abs(track[c][high] - track[c][low]) > 0.5 * w for c, w in zip("xy", widths)):
                 share = round(share)
             rows.append([one] + [(1 - share) * track[c][low] + share * track[c][high]
                                  for c in ("x", "y", "theta", "radius")] + [track["radius"][0] * self.aspect(one)])
-        return np.array(rows, dtype=float).reshape(-1, 6).T
+        return self.images(np.array(rows, dtype=float).reshape(-1, 6)).T
 
     @cached_property
     def extent(self):

@@ -1,18 +1,24 @@
-"""The settling disk with lbmpy: lattice Boltzmann, partially saturated cells.
+"""Settling disks with lbmpy: lattice Boltzmann, partially saturated cells.
+
+    python -m tools.peers.with_lbmpy settling|fast|two LEVEL
 
 Noble and Torczynski (Int. J. Mod. Phys. C 9, 1998): each cell's collision is a mean of the
 fluid's and of one that turns the populations to the disk's velocity, weighted with the share of
 the cell that is solid (sampled 8 x 8 at the rim); the momentum exchanged moves the disk, the
 fluid inside which is accelerated with the last step's acceleration. Two relaxation times.
-Scene of cases/settling_disk.edp, up to 0.4 s. A level is cells across the diameter and the speed
-on the lattice that stands for 5.6 cm/s. cpu_s is without the generation and compilation of the
-kernels, as it is without every package's imports.
+  settling   cases/settling_disk.edp up to 0.4 s: mean velocity over 0.3 to 0.4 s, cm/s
+  fast       the same with rho_s = 1.5 g/cm3, mu = 0.01 g/(cm s): largest Reynolds number, with rho_s
+  two        cases/drafting_kissing_tumbling.edp up to 0.15 s, before the disks touch: heights, cm
+A level is cells across the diameter and the speed on the lattice that stands for that of the scene.
+cpu_s is without the generation and compilation of the kernels, as it is without every package's
+imports.
 """
 import time
 
 from tools.peers.common import asked, report
 
 import warnings
+from dataclasses import dataclass
 
 import numpy as np
 import pystencils as ps
@@ -21,9 +27,24 @@ from lbmpy.boundaries import LatticeBoltzmannBoundaryHandling, NoSlip
 from lbmpy.partially_saturated_cells import PSMConfig
 from pystencils.slicing import slice_from_direction
 
-WIDTH, HEIGHT, DIAMETER, START = 2.0, 6.0, 0.25, (1.0, 4.0)  # cm
-RATIO, NU, GRAVITY, SPEED, END = 1.25, 0.1, 981.0, 5.6, 0.4
-LEVELS = [(8, 0.04), (12, 0.04), (16, 0.04), (24, 0.04)]
+WIDTH, HEIGHT, DIAMETER, GRAVITY = 2.0, 6.0, 0.25, 981.0  # cm, cm/s2
+
+
+@dataclass
+class Scene:
+    """Disks that start at rest: centres (cm), density over the fluid's, nu (cm2/s), a speed (cm/s), an end (s)."""
+
+    starts: tuple
+    ratio: float
+    nu: float
+    speed: float
+    end: float
+    levels: tuple  # (cells across the diameter, speed on the lattice)
+
+
+SCENES = {"settling": Scene(((1.0, 4.0),), 1.25, 0.1, 5.6, 0.4, ((8, 0.04), (12, 0.04), (16, 0.04), (24, 0.04))),
+          "fast": Scene(((1.0, 4.0),), 1.5, 0.01, 14.0, 0.35, ((16, 0.03), (24, 0.03), (32, 0.03), (48, 0.03))),
+          "two": Scene(((1.0005, 4.5), (0.9995, 5.0)), 1.5, 0.01, 14.0, 0.1501, ((16, 0.03), (24, 0.03), (32, 0.03), (48, 0.03)))}
 
 
 class Lattice:
@@ -71,57 +92,83 @@ def covered(rx, ry, radius):
     return share
 
 
-def fall(level, end=END):
-    """Rows (t, y, v) in cm and s, the number of cells and time.process_time() after compilation."""
-    cells, speed = LEVELS[level]
+class Disk:
+    """A disk on the lattice (cells, steps): it covers cells, and the momentum exchanged there moves it."""
+
+    def __init__(self, start, cells, ratio, weight):
+        self.radius, self.x = cells / 2, np.array(start)
+        self.v, self.before, self.omega = np.zeros(2), np.zeros(2), 0.0
+        self.fluid = np.pi * self.radius**2
+        self.mass, self.weight = ratio * self.fluid, np.array([0.0, -(ratio - 1) * self.fluid * weight])
+        self.inertia = 0.5 * self.mass * self.radius**2
+        self.reach, self.window = int(np.ceil(self.radius)) + 2, None
+
+    def lift_off(self, lattice):
+        """Leaves the cells of the last step."""
+        if self.window:
+            lattice.solid[self.window] = 0
+            lattice.velocity[self.window] = 0
+
+    def cover(self, lattice, relaxation):
+        """Sets the solid share and velocity of the cells round the centre (cell centres at whole numbers and a half)."""
+        corner = self.x.astype(int) - self.reach
+        self.rx, self.ry = np.meshgrid(*(np.arange(c, c + 2 * self.reach + 1) + 0.5 - centre for c, centre in zip(corner, self.x)), indexing="ij")
+        share = covered(self.rx, self.ry, self.radius)
+        self.own = share > 0
+        self.window = tuple(slice(c + lattice.ghosts, c + 2 * self.reach + 1 + lattice.ghosts) for c in corner)
+        lattice.solid[self.window] += share * (relaxation - 0.5) / ((1 - share) + (relaxation - 0.5))
+        lattice.velocity[self.window + (0,)] += self.own * (self.v[0] - self.omega * self.ry)
+        lattice.velocity[self.window + (1,)] += self.own * (self.v[1] + self.omega * self.rx)
+
+    def move(self, lattice):
+        """One step by the momentum exchanged in its own cells."""
+        exchanged = lattice.force[self.window] * self.own[..., None]
+        torque = (self.rx * exchanged[..., 1] - self.ry * exchanged[..., 0]).sum()
+        last, self.before = self.v - self.before, self.v
+        self.v = self.v + (exchanged.sum((0, 1)) + self.fluid * last + self.weight) / self.mass
+        self.omega += torque / self.inertia
+        self.x = self.x + 0.5 * (self.v + self.before)
+
+
+def fall(scene, level):
+    """Times (n), centres and velocities (n, disks, 2) in s and cm, the number of cells and time.process_time() after compilation."""
+    cells, speed = scene.levels[level]
     h = DIAMETER / cells
-    dt = speed * h / SPEED
+    dt = speed * h / scene.speed
     nx, ny = round(WIDTH / h), round(HEIGHT / h)
-    relaxation = 3 * NU * dt / h**2 + 0.5
+    relaxation = 3 * scene.nu * dt / h**2 + 0.5
     lattice = Lattice(nx, ny, 1 / relaxation)
     begin = time.process_time()
-    # lattice units; cell centres at whole numbers and a half
-    radius, x = cells / 2, np.array(START) / h
-    v, before, omega = np.zeros(2), np.zeros(2), 0.0
-    fluid = np.pi * radius**2
-    mass, inertia, weight = RATIO * fluid, 0.5 * RATIO * fluid * radius**2, np.array([0.0, -(RATIO - 1) * fluid * GRAVITY * dt**2 / h])
-    reach, window, rows = int(np.ceil(radius)) + 2, None, []
-    for step in range(round(end / dt)):
-        if window:
-            lattice.solid[window] = 0
-            lattice.velocity[window] = 0
-        corner = x.astype(int) - reach
-        axes = [np.arange(c, c + 2 * reach + 1) + 0.5 - centre for c, centre in zip(corner, x)]
-        rx, ry = np.meshgrid(*axes, indexing="ij")
-        share = covered(rx, ry, radius)
-        window = tuple(slice(c + lattice.ghosts, c + 2 * reach + 1 + lattice.ghosts) for c in corner)
-        lattice.solid[window] = share * (relaxation - 0.5) / ((1 - share) + (relaxation - 0.5))
-        lattice.velocity[window + (0,)] = v[0] - omega * ry
-        lattice.velocity[window + (1,)] = v[1] + omega * rx
+    disks = [Disk(np.array(start) / h, cells, scene.ratio, GRAVITY * dt**2 / h) for start in scene.starts]
+    steps = round(scene.end / dt)
+    x, v = np.empty((steps, len(disks), 2)), np.empty((steps, len(disks), 2))
+    for step in range(steps):
+        for disk in disks:
+            disk.lift_off(lattice)
+        for disk in disks:
+            disk.cover(lattice, relaxation)
         lattice.step()
-        exchanged = lattice.force[window]
-        force = exchanged.sum((0, 1))
-        torque = (rx * exchanged[..., 1] - ry * exchanged[..., 0]).sum()
-        last, before = v - before, v
-        v = v + (force + fluid * last + weight) / mass
-        omega += torque / inertia
-        x = x + 0.5 * (v + before)
-        if not np.isfinite(v).all():
+        for k, disk in enumerate(disks):
+            disk.move(lattice)
+            x[step, k], v[step, k] = disk.x, disk.v
+        if not np.isfinite(v[step]).all():
             print("error: no longer finite; a smaller speed of the lattice is needed")
             raise SystemExit(4)
-        rows.append(((step + 1) * dt, x[1] * h, v[1] * h / dt))
-    return np.array(rows), nx * ny, begin
+    return (np.arange(steps) + 1) * dt, x * h, v * h / dt, nx * ny, begin
 
 
-def settling(level):
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        rows, cells, begin = fall(level)
-    t, _, v = rows.T
-    late = np.linspace(0.3, END, 1001)
-    report(begin, 9 * cells, mean_v=np.interp(late, t, v).mean(), steps=len(t))
+def found(name, t, x, v):
+    """The numbers of a scene."""
+    if name == "settling":
+        return {"mean_v": np.interp(np.linspace(0.3, SCENES[name].end, 1001), t, v[:, 0, 1]).mean()}
+    if name == "fast":
+        return {"reynolds_most": SCENES[name].ratio * np.hypot(*v[:, 0].T).max() * DIAMETER / SCENES[name].nu}
+    return {"leading_y": np.interp(0.15, t, x[:, 0, 1]), "trailing_y": np.interp(0.15, t, x[:, 1, 1])}
 
 
 if __name__ == "__main__":
-    problem, level = asked({"settling"}, len(LEVELS))
-    settling(level)
+    problem, level = asked(set(SCENES), 4)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        t, x, v, cells, begin = fall(SCENES[problem], level)
+    report(begin, 9 * cells, steps=len(t), **found(problem, t, x, v))

@@ -1,0 +1,141 @@
+"""Contacts over the seams of a periodic domain: against a QP package, after travelling far, and with a flow."""
+import numpy as np
+import pytest
+from scipy.sparse import csr_matrix
+
+from tools.command import ROOT, BadInput
+from tools.contact_problems import Rows, Scene, constraints, project, qp_piqp, scaled
+from tools.run_folder import RunFolder
+
+SIDE = np.array([0.30, 0.22])
+# a plate along the period, a slanted one up to the seam, spikes that cross it; LONG: slanted, almost as long as the period
+WALLS = np.array([[0.0, 0.02, 0.30, 0.02], [0.22, 0.12, 0.30, 0.18], [0.0, 0.18, 0.02, 0.195], [-0.02, 0.06, 0.03, 0.06]])
+LONG = np.array([[0.03, 0.19, 0.29, 0.215]])
+
+
+def images(axes):
+    """The shifts to the neighbours of a domain periodic along the axes."""
+    steps = [(-1, 0, 1) if axis in axes else (0,) for axis in (0, 1)]
+    return [np.array([a, b]) * SIDE for a in steps[0] for b in steps[1]]
+
+
+def periodic_rows(scene, reach, axes):
+    """constraints() of disks and walls, image by image: each pair and wall by its nearest image."""
+    found, n = {}, len(scene.x)
+    shifts = images(axes)
+    everywhere = Scene(np.vstack([scene.x + shift for shift in shifts]), np.tile(scene.radius, len(shifts)), np.ones(n * len(shifts)),
+                       np.zeros((n * len(shifts), 2)), scene.walls)
+    rows = constraints(everywhere, reach)
+    for i, j, gap, e in zip(rows.i % n, np.where(rows.j < 0, rows.j, rows.j % n), rows.gap, rows.e):
+        if j >= 0 and i > j:
+            i, j, e = j, i, -e
+        if i != j and gap < found.get((i, j), (np.inf,))[0]:
+            found[i, j] = (gap, e)
+    keys = sorted(found)
+    i, j = np.array(keys).reshape(-1, 2).T
+    e = np.array([found[key][1] for key in keys])
+    matrix = np.zeros((len(keys), 2 * len(scene.x)))
+    for k, (a, b) in enumerate(keys):
+        matrix[k, 2 * a:2 * a + 2] = e[k]
+        if b >= 0:
+            matrix[k, 2 * b:2 * b + 2] = -e[k]
+    return Rows(i, j, np.array([found[key][0] for key in keys]), e, csr_matrix(matrix))
+
+
+def dense(seed, number, axes, ratio, walls):
+    """Disks that overlap nothing over the seams, placed at random, with random velocities."""
+    rng = np.random.default_rng(seed)
+    x, r = [], []
+    for _ in range(40000):
+        if len(x) == number:
+            break
+        radius, at = 0.009 * ratio ** -rng.random(), rng.random(2) * SIDE
+        if not all(radius <= at[a] <= SIDE[a] - radius for a in (0, 1) if a not in axes):
+            continue
+        if not overlaps(x, r, at, radius, axes, walls):
+            x.append(at)
+            r.append(radius)
+    x, r = np.array(x), np.array(r)
+    return Scene(x, r, r**2 * np.exp(rng.normal(size=len(r))), 0.5 * rng.standard_normal((len(r), 2)), walls)
+
+
+def overlaps(x, r, at, radius, axes, walls):
+    """1 where the newcomer meets a disk or a wall."""
+    for shift in images(axes):
+        if x and (np.hypot(*(np.array(x) - at - shift).T) < np.array(r) + radius).any():
+            return True
+        for x1, y1, x2, y2 in walls:
+            start, along = np.array([x1, y1]), np.array([x2 - x1, y2 - y1])
+            if np.hypot(*(at + shift - start - np.clip((at + shift - start) @ along / (along @ along), 0, 1) * along)) < radius:
+                return True
+    return False
+
+
+@pytest.mark.parametrize("axes", [(0,), (1,), (0, 1)])
+def test_the_projection_over_seams_is_that_of_a_qp_package(axes):
+    scene, dt = dense(len(axes), 110, axes, 3.0, np.vstack([WALLS, LONG]) if axes == (0,) else WALLS), 0.01
+    period = {word: SIDE[axis] for axis, word in ((0, "-period-x"), (1, "-period-y")) if axis in axes}
+    answer = project(scene, dt, 1e-11, options=period)
+    # reach: nobody goes farther
+    rows = periodic_rows(scene, 2.2 * dt * np.hypot(*answer.velocity.T).max() + 2.2 * dt * np.hypot(*scene.velocity.T).max(), axes)
+    plain = constraints(scene, 1.0)
+    across = sum(1 for i, j, gap in zip(rows.i, rows.j, rows.gap) if not np.isclose(plain.gap[(plain.i == i) & (plain.j == j)], gap, atol=1e-12).any())
+    assert across > 15  # rows that only the period makes
+    matrix, d, weight, q0 = scaled(rows, scene, dt)
+    press = np.maximum(qp_piqp(scene, rows, dt, 1e-12), 0)
+    q = dt / scene.radius.mean() * answer.velocity.ravel()
+    np.testing.assert_allclose(q, q0 + matrix.T @ press / weight, atol=1e-6)
+    assert (matrix @ q + d).min() > -1e-9
+    alone = project(scene, dt, 1e-11)
+    assert abs(alone.velocity - answer.velocity).max() > 0.05
+    # disks that have travelled some periods are the same
+    turns = np.random.default_rng(5).integers(-7, 8, scene.x.shape) * SIDE * [axis in axes for axis in (0, 1)]
+    far = project(Scene(scene.x + turns, scene.radius, scene.mass, scene.velocity, scene.walls), dt, 1e-11, options=period)
+    np.testing.assert_allclose(far.velocity, answer.velocity, atol=1e-8)
+    assert far.figures[0]["constraints"] == answer.figures[0]["constraints"]
+
+
+def test_overlaps_over_a_seam_and_short_periods_are_refused():
+    pair = Scene(np.array([[0.01, 0.1], [0.29, 0.1]]), np.array([0.012, 0.012]), np.ones(2), np.zeros((2, 2)))
+    project(pair)
+    with pytest.raises(BadInput, match="overlap"):
+        project(pair, options={"-period-x": 0.3})
+    with pytest.raises(BadInput, match="smaller than a quarter"):
+        project(pair, options={"-period-x": 0.04})
+
+
+HEAD = "id,x,y,radius,density,u,v,omega\n"
+
+
+CASE = (ROOT / "cases" / "couette_disk.edp").read_text()
+LONE = "bodyDisk(length/2, startY, radius, rhoSolid);"
+
+
+@pytest.fixture
+def couette(freefem, tmp_path):
+    """Runs disks in the shear flow of period 1, without the disk of the case."""
+    def run(name, disks):
+        assert CASE.count(LONE) == 1
+        script, table = tmp_path / f"{name}.edp", tmp_path / f"{name}.csv"
+        script.write_text(CASE.replace(LONE, ""))
+        table.write_text(HEAD + "".join(f"{','.join(map(str, row))}\n" for row in disks))
+        freefem(script, "-particles", table, "-reynolds", "10", "-dt", "0.005", "-tend", "0.15", "-every", "0", "-out", tmp_path / name)
+        done = RunFolder(tmp_path / name)
+        return done.table("fluid"), done.table("particles")
+    return run
+
+
+def test_a_pair_that_meets_over_the_seam_moves_as_in_the_middle(couette):
+    found = {}
+    for name, start, turns in (("middle", 0.5, 0), ("seam", 0.0, 3)):
+        fluid, table = couette(name, [(5, start - 0.15, 0.8, 0.08, 50, 2, 0, 0), (6, start + 0.15 + turns, 0.8, 0.08, 50, -2, 0, 0)])
+        assert fluid["worst_gap"].min() > -1e-9 and fluid["contacts"].max() == 1
+        found[name] = {(d, c): table[c][table["id"] == d] - (start + turns * (d == 6) if c == "x" else 0) for d in (5, 6) for c in "xyuv"}
+    for key, values in found["middle"].items():
+        np.testing.assert_allclose(found["seam"][key], values, atol=1e-4)
+
+
+def test_a_plate_holds_a_disk_that_has_travelled_some_periods(couette):
+    fluid, table = couette("far", [(5, 3.6, 0.8, 0.08, 50, 0, 2, 0)])
+    assert fluid["contacts"].max() == 1
+    assert (1 - 0.08 - table["y"]).min() > -1e-9 and table["y"].max() == pytest.approx(0.92, abs=1e-6)
