@@ -26,6 +26,7 @@ CASES = {
     "cylinder_between_plates": ["-tend", "0.01"],
     "cylinder_array": ["-tend", "0.01"],
     "couette_disk": ["-tend", "0.1"],
+    "sheared_suspension": ["-tend", "0.1"],
     "rotating_cylinder": ["-tend", "0.01"],
     "ellipse_in_shear": ["-tend", "0.1"],
     "segre_silberberg": ["-tend", "2"],

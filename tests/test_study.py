@@ -132,6 +132,7 @@ def test_the_quantities_of_a_made_up_run(tmp_path):
     known = quantities.load()
     got = {name: quantities.evaluate(quantities.parse(name, known), run) for name in known}
     assert all(why == "" for _, why in got.values()), got
+    assert got["mean_wall_fx"][0] == pytest.approx(3.5) and quantities.mean_wall_fx(run, 4) == pytest.approx(2)
     assert got["mean_u"][0] == pytest.approx(0.9) and got["mean_v"][0] == 0
     assert got["flux_error"][0] == pytest.approx(1e-4, rel=1e-3)
     assert got["worst_overlap"][0] == pytest.approx(6e-9 / run.particles["radius"].min())

@@ -122,6 +122,16 @@ def mean_pressure_drop(run, start=math.nan, end=math.nan):
     return _mean(run, *_column(run, "pressure_drop"), start, end)
 
 
+def mean_wall_fx(run, label=-1, start=math.nan, end=math.nan):
+    """Mean force of the fluid along x on the walls of a label (default: all) over a window (-wallforces 1)."""
+    table = run.table("wallforces")
+    own = table["label"] == label if label >= 0 else table["t"] == table["t"]
+    if not own.any():
+        raise ValueError("wallforces.csv has no rows" + (f" of label {label:g}" if label >= 0 else ""))
+    times, at = np.unique(table["t"][own], return_inverse=True)
+    return _mean(run, times, np.bincount(at, table["fx"][own]), start, end)
+
+
 def flux_error(run):
     """Largest | |flux in| - |flux out| | over the largest flux."""
     _, inlet = _column(run, "flux_in")

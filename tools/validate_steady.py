@@ -5,15 +5,29 @@
 Writes validation.csv into FOLDER (default results/validate_steady) and prints the table.
 Exit status 1 when a target is missed, 3 for bad input.
 """
+import csv
 from pathlib import Path
 
-from tools.command import BadInput, Parser, guarded
+from tools.command import ROOT, BadInput, Parser, guarded
 from tools.runner import commit, machine, run_case
 from tools.tables import write_table
 
 KIM = [("reattachment_over_height", "standard k-epsilon, published: 5 to 6.25", 5, 6.25), ("reattachment_over_height", "measured: 7 +- 1 (Kim et al. 1980)", 6, 8)]
 CHANNEL, STEP, LOSS, PIPE = (f"cases/{name}.edp" for name in ("turbulent_channel", "turbulent_step", "diaphragm_loss", "pipe_flow"))
+STANDARD = {"-model": "k-epsilon"}
+# What OpenFOAM computes too (tests/reference/turbulence_openfoam.csv).
+OPENFOAM = {"step": (STEP, {"-size": 0.03125}), "driver": (STEP, {"-size": 0.0625, "-ratio": 1.125, "-reynolds": 37500}), "pipe": (PIPE, {}),
+            "slit_0.2": (LOSS, {"-opening": 0.2, "-cells": 16}), "slit_0.5": (LOSS, {"-opening": 0.5, "-cells": 32})}
 COLUMNS = ["name", "quantity", "source", "low", "high", "measured", "pass", "cpu_s"]
+
+
+def openfoam(name):
+    """[(quantity, source, low, high)] of a flow."""
+    lines = (ROOT / "tests" / "reference" / "turbulence_openfoam.csv").read_text(encoding="utf-8").splitlines()
+    rows = [row for row in csv.DictReader(line for line in lines if not line.startswith("#")) if row["run"] == name]
+    return [(row["quantity"], f"OpenFOAM; same model; within {100 * float(row['within']):g} %", *(float(row["value"]) * (1 + sign * float(row["within"])) for sign in (-1, 1)))
+            for row in rows]
+
 
 # name, script, options, [(quantity of results.csv, source, low, high)]
 RUNS = [
@@ -31,6 +45,7 @@ RUNS = [
     *[(f"diaphragm_{opening}_cells_{n}", LOSS, {"-opening": opening, "-cells": n},
        [("contraction", "von Mises 1917, within 5 %", 0.95 * contraction, 1.05 * contraction), ("loss_over_borda_carnot", "Borda and Carnot, within 10 %", 0.9, 1.1)])
       for opening, contraction, n in ((0.2, 0.616, 16), (0.5, 0.644, 10), (0.5, 0.644, 16))],
+    *[(f"{name}_as_openfoam", script, STANDARD | options, openfoam(name)) for name, (script, options) in OPENFOAM.items()],
     ("pipe_of_the_paper_laminar", PIPE, {"-model": "laminar", "-reynolds": 100},
      [("residual", "asked for", 0, 1e-6), ("factorisations", "asked for", 0, 10), ("flux_defect", "conservation", -1e-6, 1e-6)]),
     ("pipe_of_the_paper", PIPE, {},

@@ -1,0 +1,78 @@
+"""Forces on walls: the flow alone, a closed box, and the viscosity of a suspension against a body-fitted computation."""
+import numpy as np
+import pytest
+
+from tools.run_folder import RunFolder
+from tools.tables import read_table
+
+SUSPENSION = "cases/sheared_suspension.edp"
+HEAD = "id,x,y,radius,density\n"
+
+# Stokes flow round a free disk in the middle of a periodic cell; the relative viscosity is the dissipation,
+# and the disk turns so that it is least (no torque).
+FITTED = """
+real R = {radius};
+int n = 40, m = 160;
+border lower(t = 0, 1) {{ x = t; y = 0; label = 1; }}
+border right(t = 0, 1) {{ x = 1; y = t; label = 2; }}
+border upper(t = 0, 1) {{ x = 1 - t; y = 1; label = 3; }}
+border left(t = 0, 1) {{ x = 0; y = 1 - t; label = 4; }}
+border rim(t = 0, 2*pi) {{ x = 0.5 + R*cos(t); y = 0.5 + R*sin(t); label = 5; }}
+mesh Th = buildmesh(lower(n) + right(n) + upper(n) + left(n) + rim(-m), fixedborder = true);
+fespace Xh(Th, [P2, P2, P1], periodic = [[2, y], [4, y]]);
+macro strain(a, b, c, d) (2*dx(a)*dx(c) + 2*dy(b)*dy(d) + (dy(a) + dx(b))*(dy(c) + dx(d))) // EOM
+real plates = 1, turn = 0;
+varf stokes([u, v, p], [a, b, q]) = int2d(Th)(strain(u, v, a, b) - p*(dx(a) + dy(b)) - q*(dx(u) + dy(v)) - 1e-10*p*q)
+    + on(1, 3, u = plates*(y - 0.5), v = 0) + on(5, u = -turn*(y - 0.5), v = turn*(x - 0.5));
+matrix A = stokes(Xh, Xh);
+set(A, solver = UMFPACK);
+Xh [u0, v0, p0], [u1, v1, p1];
+real[int] b0 = stokes(0, Xh);
+u0[] = A^-1*b0;
+plates = 0; turn = 1;
+real[int] b1 = stokes(0, Xh);
+u1[] = A^-1*b1;
+real both = int2d(Th)(strain(u0, v0, u1, v1)), own = int2d(Th)(strain(u1, v1, u1, v1));
+cout.precision(10);
+cout << "viscosity " << int2d(Th)(strain(u0, v0, u0, v0)) - both^2/own << " omega " << -both/own << endl;
+"""
+
+
+def disk(folder, radius):
+    path = folder / "disk.csv"
+    path.write_text(HEAD + f"3,0.5,0.5,{radius},1\n")
+    return path
+
+
+def test_the_plates_of_a_flow_without_disks_carry_its_shear(freefem, tmp_path):
+    freefem(SUSPENSION, "-fraction", "0", "-reynolds", "4", "-tend", "0.2", "-out", tmp_path / "run")
+    walls = read_table(tmp_path / "run" / "wallforces.csv")
+    lower, upper = (walls["fx"][walls["label"] == label] for label in (13, 14))
+    np.testing.assert_allclose(lower, 0.25, rtol=1e-8)
+    np.testing.assert_allclose(upper, -0.25, rtol=1e-8)
+    assert abs(walls["fy"]).max() < 1e-8
+
+
+@pytest.mark.parametrize("radius, within", [(0.1, 0.025), (0.2, 0.01)])  # 6 and 13 elements across
+def test_a_disk_adds_the_viscosity_of_a_body_fitted_computation(freefem, freefem_text, tmp_path, radius, within):
+    words = freefem_text(FITTED.format(radius=radius)).stdout.split("viscosity ")[1].split()
+    exact, omega = float(words[0]), float(words[2])
+    assert exact - 1 == pytest.approx(2 * np.pi * radius**2, rel=0.25)  # Einstein, in two dimensions and far from walls
+    freefem(SUSPENSION, "-fraction", "0", "-particles", disk(tmp_path, radius), "-convection", "0", "-dt", "0.0025", "-tend", "0.4", "-tolerance", "1e-7", "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    walls = read_table(tmp_path / "run" / "wallforces.csv")
+    found = [abs(walls["fx"][walls["label"] == label][-1]) for label in (13, 14)]
+    assert found[0] == pytest.approx(found[1], rel=1e-5)
+    assert found[0] - 1 == pytest.approx(exact - 1, rel=within)
+    assert run.table("particles")["omega"][-1] == pytest.approx(omega, rel=within)
+
+
+def test_the_walls_of_a_closed_box_feel_what_its_momentum_misses(freefem, tmp_path):
+    freefem("cases/settling_disk.edp", "-tend", "0.05", "-every", "0", "-cfl", "0", "-budget", "1", "-wallforces", "1", "-out", tmp_path / "run")
+    walls, budget = (read_table(tmp_path / "run" / f"{name}.csv") for name in ("wallforces", "budget"))
+    assert set(walls["label"]) == {3}
+    for axis in "xy":
+        given = np.diff(np.concatenate([[0], budget[f"walls_{axis}"]])) / np.diff(np.concatenate([[0], budget["t"]]))
+        total = np.array([walls[f"f{axis}"][walls["t"] == t].sum() for t in budget["t"]])
+        np.testing.assert_allclose(total, -given, atol=1e-9 * abs(given).max() + 1e-9)
+    assert abs(total).max() > 1
