@@ -114,12 +114,12 @@ LONE = "bodyDisk(length/2, startY, radius, rhoSolid);"
 @pytest.fixture
 def couette(freefem, tmp_path):
     """Runs disks in the shear flow of period 1, without the disk of the case."""
-    def run(name, disks):
+    def run(name, disks, end="0.15"):
         assert CASE.count(LONE) == 1
         script, table = tmp_path / f"{name}.edp", tmp_path / f"{name}.csv"
         script.write_text(CASE.replace(LONE, ""))
         table.write_text(HEAD + "".join(f"{','.join(map(str, row))}\n" for row in disks))
-        freefem(script, "-particles", table, "-reynolds", "10", "-dt", "0.005", "-tend", "0.15", "-every", "0", "-out", tmp_path / name)
+        freefem(script, "-particles", table, "-reynolds", "10", "-dt", "0.005", "-tend", end, "-every", "0", "-out", tmp_path / name)
         done = RunFolder(tmp_path / name)
         return done.table("fluid"), done.table("particles")
     return run
@@ -133,6 +133,13 @@ def test_a_pair_that_meets_over_the_seam_moves_as_in_the_middle(couette):
         found[name] = {(d, c): table[c][table["id"] == d] - (start + turns * (d == 6) if c == "x" else 0) for d in (5, 6) for c in "xyuv"}
     for key, values in found["middle"].items():
         np.testing.assert_allclose(found["seam"][key], values, atol=1e-4)
+
+
+def test_a_disk_carried_along_a_plate_over_the_seam_stays_on_it(couette):
+    fluid, table = couette("along", [(5, 0.8, 0.88, 0.08, 500, 1, 0.2, 0)], "0.5")
+    touching = table["x"][1 - 0.08 - table["y"] < 1e-6]
+    assert 1 < touching.min() < 1.1 and fluid["contacts"].max() == 1 and fluid["worst_gap"].min() > -1e-9
+    assert (1 - 0.08 - table["y"]).min() > -1e-9
 
 
 def test_a_plate_holds_a_disk_that_has_travelled_some_periods(couette):

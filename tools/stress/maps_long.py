@@ -2,7 +2,7 @@
 import numpy as np
 
 from tools.stress.awkward import KINDS
-from tools.stress.cells import Axis, Cell, Map, Mesh
+from tools.stress.cells import Axis, Cell, Disks, Map, Mesh
 from tools.stress.classes import Checks
 from tools.stress.maps_contacts import balance_error
 from tools.stress.maps_flow import last_quarter
@@ -76,6 +76,7 @@ CASES = {
     "settling_disk": ({}, 0.00125, 0.1, {FLOW: 60, "particles.v": 60}, velocities),
     "drafting_kissing_tumbling": ({}, 0.0005, 0.03, {FLOW: 60, "particles.v": 60}, velocities),
     "couette_disk": ({}, 0.02, 2.0, {FLOW: 1, "particles.u": 1}, velocities),
+    "sheared_suspension": ({}, 0.02, 0.4, {FLOW: 1.5, "particles.u": 1}, velocities),
     "segre_silberberg": ({}, 0.4, 40.0, {FLOW: 1, "particles.u": 1}, velocities),
     "ellipse_in_shear": ({}, 0.01, 1.0, {FLOW: 2, "particles.omega": 5}, turning),
     "rotating_cylinder": ({}, 0.001, 0.1, {FLOW: 1}, last_quarter),
@@ -85,7 +86,7 @@ CASES = {
     "falling_particles": ({}, 0.02, 20.0, {"particles.v": 3}, balance_error),
     "hourglass": ({"-number": 300, "-radius": 0.015, "-neck": 0.13}, 0.004, 0.4, {"particles.v": 15}, balance_error),
 }
-PERIODIC = {"couette_disk": (1.0, 0.0), "ellipse_in_shear": (2.0, 0.0), "segre_silberberg": (1.0, 0.0), "cylinder_array": (1.0, 1.0)}
+PERIODIC = {"couette_disk": (1.0, 0.0), "ellipse_in_shear": (2.0, 0.0), "segre_silberberg": (1.0, 0.0), "cylinder_array": (1.0, 1.0), "sheared_suspension": (1.0, 0.0)}
 
 
 def around_default(factor, case):
@@ -100,7 +101,25 @@ def around_default(factor, case):
     return cell
 
 
+def viscous(reach, scene):
+    """A shear flow without inertia whose time step is so many times h^2/nu: one disk in the middle, or many that touch."""
+    size, end = 1 / 20, 2.0 if scene == "one disk" else 10.0
+    options = {"-mesh": Mesh(("couette", "--size", size)), "-radius": 0.15, "-convection": 0, "-cfl": 0, "-dt": reach * size**2, "-tend": end, "-every": 0}
+    if scene == "one disk":
+        options |= {"-fraction": 0, "-particles": Disks(np.array([[0, 0.5, 0.5, 0.15, 1, 0, 0, 0]]))}
+    else:
+        options["-fraction"] = float(scene.split()[0]) / 100
+    cell = Cell("cases/sheared_suspension.edp", options, Checks({"particles.u": 1.5, "particles.v": 1.5, "particles.omega": 5, "fluid.top_speed": 1.5}, end, period=(1.0, 0.0)))
+    if scene == "one disk":
+        cell.quantity, cell.reference, cell.tolerance = turning, (1, scene), 0.01
+    return cell
+
+
 MAPS = [
+    Map("viscous_step", "Slow flow: reach of viscosity in a step", Axis("nu dt/h^2", "", [1, 5, 20, 60], [20]),
+        Axis("scene", "", ["one disk", "10 %", "20 %", "30 %"], ["one disk", "30 %"]), viscous,
+        "one disk: angular velocity within 1 % of that with nu dt = h^2; many: bounded, nothing overlaps (no reference)",
+        {"stable": "a smaller -dt", "stopped": "a smaller -dt", "blown up": "a smaller -dt", "overlap": "a smaller -dt", "late": "a smaller -dt"}, (1, "one disk")),
     Map("awkward_meshes", "Awkward meshes", Axis("mesh", "", list(KINDS), ["plain", "clockwise", "slivers of 1 degree", "graded 100:1"]),
         Axis("scene", "", ["moving vortices", "Poiseuille flow", "settling disk", "disk, published"], ["moving vortices", "settling disk"]), awkward,
         "vortices: L2 error below 0.01 m/s; Poiseuille: below 1e-9; disk: velocity within 10 % of that on the plain mesh",
