@@ -167,7 +167,7 @@ def found(name, t, x, v):
 
 
 if __name__ == "__main__":
-    problem, level = asked(set(SCENES), 4)
+    problem, level = asked(SCENES, 4)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         t, x, v, cells, begin = fall(SCENES[problem], level)
