@@ -79,8 +79,11 @@ cout << "force " << ku.linfty << endl;
         reach = r + k * size
         px, py = x0 + reach * nx, y0 + reach * ny
         return -ny * (3 * py - 1 - 0.3) + nx * (2 * px + 0.2) - 0.7 * reach
-    deep = depth / size  # the parabola through both slips and 0 at the edge, at -depth
-    g = deep * (-(deep + 2) * slip(1) + (deep + 1) * slip(2) / 2)
+
+    def along(n):  # R ln(r/R) to third order
+        return n / (1 + n / (2 * r))
+    xi, near, distant = along(-depth), along(size), along(2 * size)  # the parabola in xi through both slips and 0 at the edge
+    g = slip(1) * xi * (xi - distant) / (near * (near - distant)) + slip(2) * xi * (xi - near) / (distant * (distant - near))
     assert len(g) > 50 and depth.min() > 0
     np.testing.assert_allclose(gu, -ny * g, atol=1e-8)
     np.testing.assert_allclose(gv, nx * g, atol=1e-8)
