@@ -1,4 +1,4 @@
-"""Rigid particles: node sets and ghost values against NumPy, drag, density ratios, periodic boxes."""
+"""Rigid particles: node sets against NumPy, drag, density ratios, periodic boxes."""
 import numpy as np
 import pytest
 
@@ -12,6 +12,7 @@ SETS = """
 include "lib/options.idp"
 optCase("sets", "rigid sets"); optEnd();
 real rhoFluid = 1, mu = 1, gravityX = 0, gravityY = 0;
+int withConvection = 0;
 mesh Th = square(16, 16, flags = 3);
 int[int] flowNoSlip = [SOLID], flowMoving(0), flowOutlet(0), flowSlip(0);
 real flowPeriodX = PERIOD, flowPeriodY = 0;
@@ -55,41 +56,6 @@ def test_rigid_sets_are_those_of_a_numpy_twin(freefem_text, periodic):
         assert expected[int(k)] == pytest.approx((d, rx, ry), abs=1e-12)
 
 
-def test_ghost_values_of_a_linear_field(freefem_text):
-    """u = (3 y - 1, 2 x): P2 holds it exactly, so the slip at the outer points is known."""
-    x0, y0, r = 0.47, 0.53, 0.21
-    more = """
-real[int] u = flowY, v = flowX, q = [0.3, -0.2, 0.7], fu(flowNw), fv(flowNw);
-u *= 3; u += -1.; v *= 2;
-fu = 0; fv = 0;
-ghostAdd(u, v, q, fu, fv);
-for (int k = rigidLayer; k < rigidCount; ++k) cout << "ghost " << rigidX[k] << " " << rigidY[k] << " " << ghostU[rigidNode[k]] << " " << ghostV[rigidNode[k]] << endl;
-real[int] ku = flowK*ghostU;
-ku += fu;
-cout << "force " << ku.linfty << endl;
-"""
-    more = more.replace("u += -1.;", "{ real[int] one(flowNw); one = 1; u -= one; }")
-    out = freefem_text(script([(x0, y0, r)], more=more)).stdout
-    rx, ry, gu, gv = rows(out, "ghost").T
-    size = 1 / 16
-    far = np.hypot(rx, ry)
-    nx, ny, depth = rx / far, ry / far, r - far
-
-    def slip(k):
-        reach = r + k * size
-        px, py = x0 + reach * nx, y0 + reach * ny
-        return -ny * (3 * py - 1 - 0.3) + nx * (2 * px + 0.2) - 0.7 * reach
-
-    def along(n):  # R ln(r/R) to third order
-        return n / (1 + n / (2 * r))
-    xi, near, distant = along(-depth), along(size), along(2 * size)  # the parabola in xi through both slips and 0 at the edge
-    g = slip(1) * xi * (xi - distant) / (near * (near - distant)) + slip(2) * xi * (xi - near) / (distant * (distant - near))
-    assert len(g) > 50 and depth.min() > 0
-    np.testing.assert_allclose(gu, -ny * g, atol=1e-8)
-    np.testing.assert_allclose(gv, nx * g, atol=1e-8)
-    assert rows(out, "force")[0, 0] < 1e-12  # the force is -mu K g
-
-
 def test_a_linear_pressure_goes_with_the_disks_that_moved(freefem_text):
     """p = 2 x - y: its gradient is exact, so the vertices round a disk change by -d.grad p, the others not."""
     disks, moved = [(0.3, 0.4, 0.127), (0.7, 0.65, 0.11)], [(0.01, -0.004), (-0.006, 0.003)]
@@ -101,7 +67,7 @@ Qh px = x, py = y, p = 2*x - y;
 flowP = p[];
 pressureCarry();
 for (int k = 0; k < flowNq; ++k) cout << "vertex " << px[][k] << " " << py[][k] << " " << flowP[k] - p[][k] << endl;
-""").replace('include "lib/ghost.idp"', """int withConvection = 0, withGhost = 1;
+""").replace('include "lib/ghost.idp"', """int withGhost = 1;
 real stabilise = 0, momentumTolerance = 1e-5;
 include "lib/pressure.idp\"""")
     x, y, change = rows(freefem_text(text).stdout, "vertex").T

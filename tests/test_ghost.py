@@ -1,0 +1,136 @@
+"""Ghost values at the edge of a body: a NumPy twin, and a boundary layer integrated by SciPy."""
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import fsolve
+
+from tests.test_particles import rows, script
+
+CENTRE, MOTION, SIZE = (0.47, 0.53), (0.3, -0.2, 0.7), 1 / 16
+ASK = """
+withConvection = CONVECTION; mu = VISCOSITY;
+real[int] u = flowY, v = flowX, q = [0.3, -0.2, 0.7], fu(flowNw), fv(flowNw), one(flowNw);
+one = 1;
+u *= 3; u -= one; u += STRAIN*flowX;
+v *= 2; v -= STRAIN*flowY;
+fu = 0; fv = 0;
+ghostAdd(u, v, q, fu, fv);
+for (int k = rigidLayer; k < rigidCount; ++k) cout << "ghost " << rigidX[k] << " " << rigidY[k] << " " << ghostU[rigidNode[k]] << " " << ghostV[rigidNode[k]] << endl;
+real[int] ku = flowK*ghostU;
+ku *= mu;
+ku += fu;
+cout << "force " << ku.linfty << endl;
+"""
+
+
+def feet(rx, ry, a, b, turn):
+    """Nearest points of an ellipse: depth, normal, curvature and foot (from the centre) of points inside."""
+    c, s = np.cos(turn), np.sin(turn)
+    px, py = c * rx + s * ry, c * ry - s * rx
+    found = []
+    for x, y in zip(px, py):
+        def off(unknown):
+            angle, depth = unknown
+            normal = np.array([b * np.cos(angle), a * np.sin(angle)]) / np.hypot(b * np.cos(angle), a * np.sin(angle))
+            return np.array([a * np.cos(angle), b * np.sin(angle)]) - depth * normal - [x, y]
+        near = np.linspace(-np.pi, np.pi, 2001)
+        far = np.hypot(a * np.cos(near) - x, b * np.sin(near) - y)
+        angle, depth = fsolve(off, [near[far.argmin()], far.min()], xtol=1e-12)
+        long = np.hypot(b * np.cos(angle), a * np.sin(angle))
+        n1, n2 = b * np.cos(angle) / long, a * np.sin(angle) / long
+        found.append((depth, c * n1 - s * n2, s * n1 + c * n2, a * b / long**3))
+    return np.array(found).T
+
+
+def twin(rx, ry, shape, strain, viscosity, convection):
+    """Ghost values of the field u = (3 y - 1 + e x, 2 x - e y), by the formulas of lib/ghost.idp and lib/ghost_convection.idp."""
+    depth, nx, ny, curvature = feet(rx, ry, *shape)
+    slip, normal = [], []
+    for k in (1, 2):
+        x, y = rx + (depth + k * SIZE) * nx, ry + (depth + k * SIZE) * ny
+        u = 3 * (CENTRE[1] + y) - 1 + strain * (CENTRE[0] + x) - MOTION[0] + MOTION[2] * y
+        v = 2 * (CENTRE[0] + x) - strain * (CENTRE[1] + y) - MOTION[1] - MOTION[2] * x
+        slip.append(nx * v - ny * u)
+        normal.append(nx * u + ny * v)
+
+    def along(n):  # R ln(r/R) to third order
+        return n / (1 + n * curvature / 2)
+    x = np.array([along(SIZE), along(2 * SIZE)])
+    xd, slip = along(-depth), np.array(slip)
+
+    def two(values, power):  # p and q of p x^power + q x^(power + 1) through the values
+        q = (values[1] / x[1]**power - values[0] / x[0]**power) / (x[1] - x[0])
+        return values[0] / x[0]**power - q * x[0], q
+    far = 0
+    if convection:
+        (gamma, a), (c, d) = two(slip, 1), two(np.array(normal), 2)
+
+        def added(s):
+            return -s**4 / viscosity * (c * gamma / 12 + d * gamma * s / 10 + a * d * s**2 / 30)
+        share = abs(slip[1]) / np.hypot(slip[1], added(x[1]))
+        slip = slip - share * added(x)
+        far = share * added(xd)
+    gamma, a = two(slip, 1)
+    return (gamma * xd + a * xd**2 + far) * np.array([-ny, nx])
+
+
+@pytest.mark.parametrize("convection, viscosity", [(0, 1), (1, 0.05), (1, 0.002)])
+@pytest.mark.parametrize("shape", [(0.21, 0.21, 0.0), (0.24, 0.14, 0.6)])
+def test_ghost_values_are_those_of_a_numpy_twin(freefem_text, shape, convection, viscosity):
+    """A linear field, which P2 holds exactly: the velocities at the outer points are known."""
+    body = f"bodyEllipse({CENTRE[0]}, {CENTRE[1]}, {shape[0]}, {shape[1]}, {shape[2]}, 1.);" if shape[0] != shape[1] else f"bodyDisk({CENTRE[0]}, {CENTRE[1]}, {shape[0]}, 1.);"
+    text = script([], more=ASK).replace("rigidSetUp();", body + "\nrigidSetUp();", 1)
+    text = text.replace("CONVECTION", str(convection)).replace("VISCOSITY", str(viscosity)).replace("STRAIN", "0.8")
+    out = freefem_text(text).stdout
+    rx, ry, gu, gv = rows(out, "ghost").T
+    expected = twin(rx, ry, shape, 0.8, viscosity, convection)
+    assert len(gu) > 50
+    np.testing.assert_allclose([gu, gv], expected, atol=1e-7)
+    if convection:
+        assert abs(expected - twin(rx, ry, shape, 0.8, viscosity, 0)).max() > 1e-3
+    assert rows(out, "force")[0, 0] < 1e-12  # the force is -mu K g
+
+
+ALONE = """
+include "lib/options.idp"
+optCase("alone", "one function"); optEnd();
+real rhoFluid = 1.25, mu = 0.1;
+include "lib/ghost_convection.idp"
+real[int] x1 = X1, x2 = X2, xd = XD, n1 = N1, n2 = N2, on = ON, g1 = G1, g2 = G2, f(x1.n);
+ghostConvection(x1, x2, xd, n1, n2, on, g1, g2, f);
+cout.precision(16);
+for (int k = 0; k < x1.n; ++k) cout << "slopes " << g1[k] << " " << g2[k] << " " << f[k] << endl;
+"""
+
+
+def test_a_boundary_layer_is_met_to_higher_order(freefem_text):
+    """nu s'' = kappa + v s' - s v' integrated by SciPy from the edge to both sides; the value at x = -0.4 h from those at h and
+    2 h. A parabola errs by h^4, with the effect of convection by more than h^5.5."""
+    nu, gamma, kappa, c, d = 0.08, 40.0, 12.0, -9.0, 6.0
+
+    def right(x, y):
+        v, slope = c * x**2 + d * x**3, 2 * c * x + 3 * d * x**2
+        return [y[1], (kappa + v * y[1] - y[0] * slope) / nu]
+
+    def profile(x):
+        return solve_ivp(right, (0, x), [0, gamma], rtol=1e-12, atol=1e-14, method="DOP853").y[0, -1]
+    h = 0.2 / 2.0 ** np.arange(4)
+    s1, s2, exact = (np.array([profile(k * x) for x in h]) for k in (1, 2, -0.4))
+
+    def array(values):
+        return "[" + ", ".join(f"{v:.17g}" for v in values) + "]"
+
+    def value(g1, g2, f):
+        return -0.4 * h * (g1 - 1.4 * (g2 - g1) + f)
+    text = ALONE
+    for name, values in {"X1": h, "X2": 2 * h, "XD": 0.4 * h, "N1": c * h**2 + d * h**3, "N2": 4 * c * h**2 + 8 * d * h**3,
+                         "ON": np.ones(4), "G1": s1 / h, "G2": s2 / (2 * h)}.items():
+        text = text.replace(f"= {name}", f"= {array(values)}")
+    found = abs(value(*rows(freefem_text(text).stdout, "slopes").T) - exact)
+    plain = abs(value(s1 / h, s2 / (2 * h), 0) - exact)
+    orders = [np.polyfit(np.log(h), np.log(error), 1)[0] for error in (plain, found)]
+    assert 3.5 < orders[0] < 4.5 and orders[1] > 5.5, (orders, plain, found)
+    assert (found < 0.35 * plain).all(), (plain, found)
+    # where it does not count, nothing changes
+    still = rows(freefem_text(text.replace("on = [1, 1, 1, 1]", "on = [0, 0, 0, 0]")).stdout, "slopes").T
+    np.testing.assert_allclose(still, [s1 / h, s2 / (2 * h), 0 * h], rtol=1e-14)
