@@ -178,8 +178,10 @@ def plot_series(run, path):
         elif log:
             one.text(0.5, 0.5, "zero throughout", transform=one.transAxes, ha="center", va="center")
             one.set_yticks([])
-        if len(curves) > 1:
-            one.legend(loc="best")
+        if len(curves) > 1:  # in a row above the curves
+            low, high = one.get_ylim()
+            one.set_ylim(low, high + 0.2 * (high - low))
+            one.legend(loc="upper center", ncols=len(curves))
         if label == "number":
             one.yaxis.set_major_locator(MaxNLocator(integer=True))
         one.set_ylabel(label)
