@@ -85,7 +85,7 @@ def test_ghost_values_are_those_of_a_numpy_twin(freefem_text, shape, convection,
     rx, ry, gu, gv = rows(out, "ghost").T
     expected = twin(rx, ry, shape, 0.8, viscosity, convection)
     assert len(gu) > 50
-    np.testing.assert_allclose([gu, gv], expected, atol=1e-7)
+    np.testing.assert_allclose([gu, gv], expected, atol=1e-8)
     if convection:
         assert abs(expected - twin(rx, ry, shape, 0.8, viscosity, 0)).max() > 1e-3
     assert rows(out, "force")[0, 0] < 1e-12  # the force is -mu K g
