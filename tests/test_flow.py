@@ -76,7 +76,9 @@ real[int] C(1);
 [I, J, C] = A;
 C = 0;
 convBase(C);
-convFill(a[], b[], 1.7, C);
+real[int] carrier(2*flowNw);
+carrier(0:flowNw - 1) = a[]; carrier(flowNw:2*flowNw - 1) = b[];
+convFill(carrier, 1.7, C);
 A.coef = C;
 varf form(u, w) = int2d(Th, qforder = 9)(1.7*0.5*((a*dx(u) + b*dy(u))*w - (a*dx(w) + b*dy(w))*u))
     + int1d(Th, labelOutlet, qforder = 9)(1.7*0.5*max(a*N.x + b*N.y, 0.)*u*w);
