@@ -1,0 +1,123 @@
+"""Particles at boundaries of every kind: turning walls, outlets that are not on the right, inlets, seams, planes of symmetry; the walls in a budget."""
+import numpy as np
+import pytest
+
+from tools.run_folder import RunFolder
+
+CASE = """
+include "lib/options.idp"
+optCase("boundaries", "a scene of tests/test_boundaries.py");
+optDefault("-mesh", "meshes/couette_disk.mesh");
+optDefault("-dt", "0.01");
+real rhoFluid = 1, mu = 0.05, gravityX = 0, gravityY = -1;
+include "lib/labels.idp"
+int[int] flowNoSlip = [{walls}], flowMoving = [{moving}], flowOutlet = [{outlet}], flowSlip = [{slip}];
+{more}
+real flowPeriodX = 0, flowPeriodY = {period}, motionBound = 1e30;
+func real boundaryRamp(real t) {{ return 1; }}
+macro caseParticles() {particles} // EOM
+include "scripts/resolved.edp"
+"""
+
+
+def case(particles, walls="labelLeft, labelRight, labelBottom, labelTop", moving="", outlet="", slip="", more="", period=0):
+    """The text of a case in the unit square; empty lists of labels as FreeFEM writes them."""
+    text = CASE.format(particles=particles, walls=walls, moving=moving, outlet=outlet, slip=slip, more=more, period=period)
+    return text.replace(" = []", "(0)")
+
+
+def ring(file):
+    """A mesh between a cylinder of radius 0.4 (label 6) and one of radius 1 (label 3), in 24 and 60 chords."""
+    return f"""
+border outer(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}
+border inner(s = 0, 2*pi) {{ x = 0.4*cos(s); y = 0.4*sin(s); label = 6; }}
+savemesh(buildmesh(outer(60) + inner(-24)), "{file}");
+"""
+
+
+def test_a_turning_cylinder_stops_a_disk(freefem_text, tmp_path):
+    mesh = tmp_path / "ring.mesh"
+    text = ring(mesh) + case("bodyDisk(0.01, 0.65, 0.12, 30);", walls="labelWall", moving="labelCylinder",
+                             more="macro boundaryU() (-0.3*y) // EOM\nmacro boundaryV() (0.3*x) // EOM")
+    text = text.replace("gravityY = -1", "gravityY = -5")
+    freefem_text(text, "-mesh", mesh, "-tend", 0.8, "-every", 0.02, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    chord = 0.4 * np.cos(np.pi / 24)
+    distance = np.hypot(run.particles["x"], run.particles["y"])
+    assert run.fluid["contacts"].max() >= 1 and distance.min() > chord + 0.12 - 1e-6
+    assert distance.min() < 0.4 + 0.12 + 0.002
+
+
+@pytest.mark.parametrize("side, x, y, pull", [("Bottom", 0.5, 0.3, (0, -20)), ("Top", 0.5, 0.7, (0, 20)), ("Right", 0.7, 0.5, (20, 0)), ("Left", 0.3, 0.5, (-20, 0))])
+def test_a_disk_leaves_through_an_outlet_on_any_side(side, x, y, pull, freefem_text, tmp_path):
+    walls = ", ".join(f"label{name}" for name in ("Left", "Right", "Bottom", "Top") if name != side)
+    text = case(f"bodyDisk({x}, {y}, 0.12, 3);", walls=walls, outlet=f"label{side}").replace("gravityX = 0, gravityY = -1", f"gravityX = {pull[0]}, gravityY = {pull[1]}")
+    freefem_text(text, "-tend", 0.6, "-every", 0, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    assert run.fluid["particles"][0] == 1 and run.fluid["particles"][-1] == 0
+    outside = max(np.abs(run.particles["x"] - 0.5).max(), np.abs(run.particles["y"] - 0.5).max())
+    assert 0.5 < outside < 0.5 + 0.12 + 0.1  # not much further than wholly beyond the side
+
+
+def test_a_waiting_particle_minds_the_disk_over_the_seam(freefem_text, tmp_path):
+    spaces = """macro boundaryU() 1. // EOM
+macro flowSpaces() fespace Wh(Th, P2, periodic = [[labelBottom, x], [labelTop, x]]);
+    fespace Qh(Th, P1, periodic = [[labelBottom, x], [labelTop, x]]); // EOM
+macro flowPeriodicLabels() [labelBottom, labelTop] // EOM
+macro caseStart() { Wh one = 1.; flowU = one[]; } // EOM"""
+    for height in (0.1, 1.1):
+        text = case(f"bodyAdd(0.14, {height}, 0.12, 1, 0, 0, 0, 0); queueAdd(0.95, 0.12, 1, 0.); queueAdd(0.5, 0.12, 1, 0.);",
+                    walls="", moving="labelLeft", outlet="labelRight", more=spaces, period=1).replace("gravityY = -1", "gravityY = 0")
+        freefem_text(text, "-mesh", "meshes/cylinder_array.mesh", "-tend", 0.03, "-every", 0, "-out", tmp_path / f"run{height}")
+        last = RunFolder(tmp_path / f"run{height}")
+        # the held one and the one that has room; the other waits
+        assert last.fluid["particles"][-1] == 2 and last.fluid["worst_gap"].min() > 0
+
+
+def test_an_inlet_elsewhere_is_refused(freefem_text, tmp_path):
+    text = case("queueAdd(0.5, 0.12, 1, 0.);", walls="labelBottom, labelTop", moving="labelRight", outlet="labelLeft", more="macro boundaryU() -1. // EOM")
+    done = freefem_text(text, "-tend", 0.01, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "no inlet" in done.stderr and len(done.stderr.strip().splitlines()) == 1
+    freefem_text(text.replace("queueAdd", "queueX = 1; queueDirection = -1; queueAdd"), "-tend", 0.01, "-out", tmp_path / "run")
+
+
+def test_an_upright_plane_of_symmetry_is_refused(freefem_text, tmp_path):
+    done = freefem_text(case("bodyDisk(0.5, 0.5, 0.12, 2);", walls="labelLeft, labelBottom, labelTop", slip="labelRight"), "-tend", 0.01, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "horizontal" in done.stderr and len(done.stderr.strip().splitlines()) == 1
+
+
+@pytest.mark.parametrize("walls, slip", [("labelLeft, labelRight, labelBottom, labelTop", ""), ("labelLeft, labelRight", "labelBottom, labelTop")])
+def test_momentum_holds_with_planes_of_symmetry_and_with_a_disk_that_lands(walls, slip, freefem_text, tmp_path):
+    text = case("bodyDisk(0.5, 0.2, 0.12, 8.);", walls=walls, slip=slip).replace("gravityY = -1", "gravityY = -4")
+    freefem_text(text, "-tend", 1.2, "-budget", 1, "-every", 0.05, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    budget = run.table("budget")
+    assert run.fluid["contacts"][-1] == 1
+    off = budget["momentum_y"] - budget["walls_y"] - budget["weight_y"]
+    weight = 4 * 7 * np.pi * 0.12**2 * 1.2
+    assert budget["weight_y"][-1] == pytest.approx(-weight, rel=1e-3)
+    assert np.abs(off).max() < 0.02 * weight
+
+
+def test_budgets_that_cannot_close_are_refused(freefem_text, tmp_path):
+    for particles, more in (("bodyAdd(0.5, 0.5, 0.12, 2, 0, 0, 0, 0);", ""), ("bodyDisk(0.5, 0.5, 0.12, 2);", "macro flowForceX() 1. // EOM")):
+        done = freefem_text(case(particles, more=more), "-budget", 1, "-tend", 0.01, "-out", tmp_path / "run", check=False)
+        assert done.returncode == 3 and "-budget 1 is for" in done.stderr and len(done.stderr.strip().splitlines()) == 1
+
+
+def test_large_ids_cost_nothing(freefem, tmp_path):
+    disks = tmp_path / "disks.csv"
+    disks.write_text("id,x,y,radius,density\n1000000000,0.5,2,0.15,1.2\n1999999999,1.5,2,0.15,1.2\n")
+    freefem("cases/settling_disk.edp", "-particles", disks, "-tend", 0.01, "-checkpoint", 1, "-out", tmp_path / "run", timeout=20)
+    assert set(RunFolder(tmp_path / "run").particles["id"]) == {0, 1000000000, 1999999999}
+    assert sum(file.stat().st_size for file in (tmp_path / "run").iterdir()) < 2e7
+
+
+def test_an_ellipse_that_would_fit_flat_is_refused_with_the_reason_and_walls_are_written(freefem_text, tmp_path):
+    done = freefem_text(case("bodyEllipse(0.5, 0.2, 0.3, 0.15, 0, 2);"), "-tend", 0.01, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 5 and "the disk round it" in done.stderr and "the wall from (" in done.stderr
+    freefem_text(case("bodyDisk(0.5, 0.12, 0.12, 2);"), "-tend", 0.05, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    wall = -1 - int(run.table("contacts")["j"][0])
+    ends = [run.table("walls")[name][wall] for name in ("x1", "y1", "x2", "y2")]
+    assert sorted(ends[::2]) == [0, 1] and ends[1::2] == [0, 0]  # the floor
