@@ -1,7 +1,7 @@
 """python -m tools.mesh CASE --size 0.01 --out FILE: the mesh of a case, by gmsh or on a grid.
 
 Every case has a recipe under its name (python -m tools.mesh CASE --help lists its
-options). The mesh is checked before it is written: all labels there, labelled edges equal
+options); `own` takes a gmsh script or mesh of yours. The mesh is checked before it is written: all labels there, labelled edges equal
 to the sides of the domain, no inverted or sliver element. The file is read by FreeFEM's
 readmesh with labels.
 
@@ -13,7 +13,7 @@ from pathlib import Path
 from tools.command import BadInput, Parser, guarded
 
 try:
-    from tools.meshing import CASES
+    from tools.meshing import RECIPES
     from tools.meshing.checks import faults, histogram, summary
     from tools.meshing.medit import write
 except ModuleNotFoundError as missing:
@@ -28,7 +28,7 @@ FAILED_CHECK = 4
 def parser():
     top = Parser(prog="python -m tools.mesh", description=__doc__)
     cases = top.add_subparsers(dest="case", metavar="CASE", required=True)
-    for name, (recipe, defaults) in CASES.items():
+    for name, (recipe, defaults) in RECIPES.items():
         about = recipe.__doc__.split("\n")[0]
         one = cases.add_parser(name, prog=f"python -m tools.mesh {name}", help=about, description=recipe.__doc__)
         one.add_argument("--out", metavar="FILE", required=True, help="the .mesh file to write; replaced if it is there")
@@ -40,7 +40,7 @@ def parser():
 
 def make(options):
     """The mesh of parsed options, checked: (mesh, list of faults)."""
-    outline, mesh = CASES[options.case][0].build(options)
+    outline, mesh = RECIPES[options.case][0].build(options)
     return mesh, faults(mesh, outline)
 
 

@@ -10,6 +10,7 @@ from tools.meshing import (
     channel,
     couette,
     cylinder_channel,
+    own,
     periodic_box,
     pipe,
     sudden_expansion,
@@ -44,3 +45,5 @@ CASES = {
     "segre_silberberg": (couette, {"size": 1 / 32}),
     "ellipse_in_shear": (couette, {"length": 2.0, "size": 1 / 80, "core": 0.3}),
 }
+# All that python -m tools.mesh knows: the cases, and what has no default mesh.
+RECIPES = CASES | {"own": (own, {})}

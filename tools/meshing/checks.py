@@ -8,7 +8,7 @@ LEAST_ANGLE = 5.0  # degrees; below it a triangle counts as a sliver
 
 
 def faults(mesh, outline, tolerance=1e-9):
-    """What is wrong with a mesh of this outline: a list of sentences, empty when nothing is."""
+    """What is wrong with a mesh of this outline (None: unknown): a list of sentences, empty when nothing is."""
     found = []
     if not np.all(np.isfinite(mesh.points)):
         return ["a coordinate is not a finite number"]
@@ -18,7 +18,7 @@ def faults(mesh, outline, tolerance=1e-9):
     angle = smallest_angles(mesh.points, mesh.triangles).min()
     if angle < LEAST_ANGLE:
         found.append(f"a triangle has an angle of {angle:.3g} degrees (least allowed: {LEAST_ANGLE:g})")
-    if not np.isclose(areas.sum(), outline.area(), rtol=tolerance, atol=0):
+    if outline and not np.isclose(areas.sum(), outline.area(), rtol=tolerance, atol=0):
         found.append(f"the triangles cover {areas.sum():.12g}, the domain is {outline.area():.12g}")
     if len(np.unique(mesh.triangles)) != len(mesh.points):
         found.append("a vertex belongs to no triangle")
@@ -33,7 +33,7 @@ def faults(mesh, outline, tolerance=1e-9):
     if np.any(mesh.edge_labels == 0):
         found.append(f"{np.sum(mesh.edge_labels == 0)} boundary edges lie on no side of the domain")
     lengths = np.linalg.norm(np.diff(mesh.points[mesh.edges], axis=1)[:, 0], axis=1)
-    for label, expected in outline.lengths().items():
+    for label, expected in (outline.lengths() if outline else {}).items():
         there = lengths[mesh.edge_labels == label].sum()
         if not np.isclose(there, expected, rtol=tolerance, atol=0):
             found.append(f"edges labelled {NAMES[label]} sum to {there:.12g}, its sides to {expected:.12g}")
@@ -46,7 +46,7 @@ def summary(mesh):
     edges, _ = edges_of(mesh.triangles)
     lengths = np.linalg.norm(np.diff(mesh.points[edges], axis=1)[:, 0], axis=1)
     labels = ", ".join(
-        f"{NAMES[label]} ({label}) {np.sum(mesh.edge_labels == label)}" for label in np.unique(mesh.edge_labels)
+        f"{NAMES.get(label, 'label')} ({label}) {np.sum(mesh.edge_labels == label)}" for label in np.unique(mesh.edge_labels)
     )
     return (
         f"{len(mesh.points)} vertices, {len(mesh.triangles)} triangles, edges {lengths.min():.4g} to {lengths.max():.4g}\n"

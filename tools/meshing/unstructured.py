@@ -30,30 +30,33 @@ def triangulated(outline, size, near=(), growth=0.2, uniform=(), single=()):
     whose sides stay one edge each. Raises BadInput when far too many vertices would come.
     """
     refuse_too_many(outline, size, near)
+
+    def mesh(gmsh):
+        surface = add_outline(gmsh, outline, size, uniform, single)
+        set_sizes(gmsh, size, near, growth)
+        gmsh.model.mesh.generate(2)
+        return finished(*extracted(gmsh, surface), outline)
+
+    sizes = {"Mesh.MeshSizeExtendFromBoundary": 0, "Mesh.MeshSizeFromPoints": 0, "Mesh.MeshSizeFromCurvature": 0, "Mesh.Smoothing": 5}
+    return with_gmsh(mesh, "gmsh cannot mesh this domain", sizes)
+
+
+def with_gmsh(work, refusal, options=None):
+    """work(gmsh) with gmsh set up, quiet and on one core; its exceptions become BadInput with the refusal before them."""
     try:
         import gmsh
     except (ImportError, OSError) as problem:
         raise BadInput(f"gmsh cannot be loaded ({problem}); make setup installs it") from None
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:
-        for option, value in {
-            "General.Terminal": 0,
-            "General.NumThreads": 1,
-            "Mesh.Algorithm": 6,  # frontal-Delaunay
-            "Mesh.MeshSizeExtendFromBoundary": 0,
-            "Mesh.MeshSizeFromPoints": 0,
-            "Mesh.MeshSizeFromCurvature": 0,
-            "Mesh.Smoothing": 5,
-        }.items():
+        # 6: frontal-Delaunay
+        for option, value in ({"General.Terminal": 0, "General.NumThreads": 1, "Mesh.Algorithm": 6} | (options or {})).items():
             gmsh.option.setNumber(option, value)
-        surface = add_outline(gmsh, outline, size, uniform, single)
-        set_sizes(gmsh, size, near, growth)
-        gmsh.model.mesh.generate(2)
-        return finished(*extracted(gmsh, surface), outline)
+        return work(gmsh)
     except BadInput:
         raise
     except Exception as problem:  # gmsh raises plain Exception with its last message
-        raise BadInput(f"gmsh cannot mesh this domain: {problem}") from None
+        raise BadInput(f"{refusal}: {problem}") from None
     finally:
         gmsh.finalize()
 

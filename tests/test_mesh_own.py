@@ -1,0 +1,98 @@
+"""Domains of one's own: gmsh scripts and meshes with named sides, and what is refused of them."""
+import re
+
+import numpy as np
+import pytest
+
+from conftest import ROOT
+from test_mesh import command, read
+from tools.meshing.checks import faults
+from tools.meshing.plane_mesh import signed_areas
+from tools.run_folder import RunFolder
+
+# A channel of 3 by 1 with a round hole, and a second surface behind it.
+SCRIPT = """
+h = 0.2;
+Point(1) = {0, 0, 0, h}; Point(2) = {3, 0, 0, h}; Point(3) = {3, 1, 0, h}; Point(4) = {0, 1, 0, h};
+Point(5) = {1.5, 0.4, 0, h}; Point(6) = {1.7, 0.4, 0, h}; Point(7) = {1.3, 0.4, 0, h}; Point(10) = {1.5, 0.6, 0, h}; Point(11) = {1.5, 0.2, 0, h}; Point(8) = {4, 0, 0, h}; Point(9) = {4, 1, 0, h};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
+Circle(5) = {6, 5, 10}; Circle(6) = {10, 5, 7}; Circle(10) = {7, 5, 11}; Circle(11) = {11, 5, 6};
+Line(7) = {2, 8}; Line(8) = {8, 9}; Line(9) = {9, 3};
+Curve Loop(1) = {1, 2, 3, 4}; Curve Loop(2) = {5, 6, 10, 11}; Curve Loop(3) = {7, 8, 9, -2};
+Plane Surface(1) = {1, 2}; Plane Surface(2) = {3};
+Physical Surface("fluid") = {1, 2};
+Physical Curve(2) = {8}; Physical Curve("wall") = {1, 3, 7, 9}; Physical Curve("inlet") = {4}; Physical Curve("cylinder") = {5, 6, 10, 11};
+Physical Curve("lid") = {2}; // within the domain: no side of it
+"""
+
+
+def made(folder, text, *words, name="my.geo"):
+    (folder / name).write_text(text)
+    return command("own", "--from", folder / name, "--out", folder / "my.mesh", *words)
+
+
+def test_a_script_becomes_a_mesh_with_the_labels_of_its_names(tmp_path, freefem_text):
+    done = made(tmp_path, SCRIPT, "--size", 0.1)
+    assert done.returncode == 0, done.stderr
+    mesh = read(tmp_path / "my.mesh")
+    assert faults(mesh, None) == []
+    lengths = np.linalg.norm(np.diff(mesh.points[mesh.edges], axis=1)[:, 0], axis=1)
+    sums = {int(label): lengths[mesh.edge_labels == label].sum() for label in np.unique(mesh.edge_labels)}
+    assert sums[3] == pytest.approx(8) and sums[1] == pytest.approx(1) and sums[2] == pytest.approx(1) and set(sums) == {1, 2, 3, 6}
+    around = np.sum(mesh.edge_labels == 6)
+    assert sums[6] == pytest.approx(0.4 * around * np.sin(np.pi / around)) and around >= 12
+    polygon = around / 2 * np.sin(2 * np.pi / around) * 0.04
+    assert signed_areas(mesh.points, mesh.triangles).sum() == pytest.approx(4 - polygon)
+    assert lengths.max() < 0.15
+    text = """include "lib/mesh.idp"
+mesh Th = meshRead("FILE");
+cout << "AREA " << Th.measure << " " << int1d(Th, labelCylinder)(1.) << endl;"""
+    words = freefem_text(text.replace("FILE", str(tmp_path / "my.mesh"))).stdout.split("AREA")[1].split()
+    assert float(words[0]) == pytest.approx(4 - polygon, rel=1e-5) and float(words[1]) == pytest.approx(sums[6], rel=1e-5)
+
+
+@pytest.mark.parametrize("version", [2.2, 4.1])
+def test_a_mesh_by_gmsh_gives_the_same(version, tmp_path):
+    gmsh = pytest.importorskip("gmsh")
+    (tmp_path / "my.geo").write_text(SCRIPT)
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("Mesh.MshFileVersion", version)
+        gmsh.open(str(tmp_path / "my.geo"))
+        gmsh.model.mesh.generate(2)
+        gmsh.write(str(tmp_path / "my.msh"))
+    finally:
+        gmsh.finalize()
+    assert command("own", "--from", tmp_path / "my.msh", "--out", tmp_path / "a.mesh").returncode == 0
+    mesh = read(tmp_path / "a.mesh")
+    assert faults(mesh, None) == [] and set(mesh.edge_labels) == {1, 2, 3, 6}
+    done = command("own", "--from", tmp_path / "my.msh", "--size", 0.1, "--out", tmp_path / "b.mesh")
+    assert done.returncode == 3 and "meshed already" in done.stderr
+
+
+@pytest.mark.parametrize("text, name, words", [
+    (SCRIPT.replace('"inlet"', '"entry"'), "my.geo", "'entry'"),
+    (SCRIPT.replace('Physical Curve("inlet") = {4};', ""), "my.geo", "belong to no physical curve"),
+    (SCRIPT.replace("Plane Surface(1)", "Plain Surface(1)"), "my.geo", "gmsh"),
+    (SCRIPT.replace("Point(3) = {3, 1, 0, h}", "Point(3) = {3, 1, 1, h}"), "my.geo", "gmsh|not plane"),
+    ("", "my.geo", "no triangles"),
+    ("nonsense", "my.msh", "gmsh|no triangles"),
+    (SCRIPT, "my.step", "takes a gmsh script"),
+])
+def test_what_is_no_domain_is_refused_in_one_line(text, name, words, tmp_path):
+    done = made(tmp_path, text, name=name)
+    lines = done.stderr.strip().splitlines()
+    assert done.returncode == 3 and len(lines) == 1 and lines[0].startswith("error: "), (done.returncode, done.stderr, done.stdout)
+    assert any(word in lines[0] for word in words.split("|")) and not (tmp_path / "my.mesh").exists()
+
+
+def test_a_case_runs_on_such_a_mesh(tmp_path, freefem):
+    text = re.sub(r"Physical Curve.*;", "", SCRIPT) + 'Physical Curve("wall") = {1, 3, 7, 9, 4, 8, 5, 6, 10, 11};'
+    assert made(tmp_path, text, "--size", 0.1).returncode == 0
+    script = tmp_path / "case.edp"
+    case = (ROOT / "cases" / "template.edp").read_text()
+    script.write_text(re.sub(r"bodyDisk\(0.*?\*/", "bodyDisk(2.5, 0.5, 0.3, 2.);", case, flags=re.DOTALL))
+    freefem(script, "-mesh", tmp_path / "my.mesh", "-tend", 0.02, "-out", tmp_path / "run")
+    v = RunFolder(tmp_path / "run").particles["v"]
+    assert len(v) >= 2 and v[-1] < 0

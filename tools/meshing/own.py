@@ -1,0 +1,96 @@
+"""A domain of your own: a gmsh script (.geo) or a mesh by gmsh (.msh), its sides named by physical curves.
+
+Each side of the domain belongs to a physical curve whose name is a boundary of the project
+(wall, inlet, outlet, obstacle, left, right ...; lib/labels.idp) or, without a name, whose number
+is the label:
+
+    Physical Curve("wall") = {1, 3}; Physical Curve("inlet") = {4}; Physical Curve("outlet") = {2};
+    Physical Surface("fluid") = {1};
+
+A script is meshed with its own element sizes, or with --size where those are larger. Sides of a
+period need matching nodes (gmsh: Periodic Curve).
+"""
+from pathlib import Path
+
+import numpy as np
+
+from tools.command import BadInput
+from tools.meshing.labels import LABELS
+from tools.meshing.options import positive
+from tools.meshing.plane_mesh import PlaneMesh, edges_of, oriented, renumbered, with_free_corners
+from tools.meshing.unstructured import with_gmsh
+
+KINDS = (".geo", ".msh")
+
+
+def add_options(parser):
+    parser.add_argument("--from", dest="source", metavar="FILE", required=True, help="gmsh script (.geo) or mesh (.msh)")
+    parser.add_argument("--size", type=positive, metavar="L", help="of a script: largest element size (default: that of the script)")
+
+
+def build(options):
+    source = Path(options.source)
+    if source.suffix not in KINDS:
+        raise BadInput(f"--from takes a gmsh script (.geo) or mesh (.msh), not '{source}'")
+    try:
+        source.read_bytes()
+    except OSError as problem:
+        raise BadInput(f"cannot read '{source}': {problem.strerror}") from None
+    return None, with_gmsh(lambda gmsh: read(gmsh, source, options.size), f"gmsh cannot make a mesh of '{source}'")
+
+
+def read(gmsh, source, size):
+    """The PlaneMesh of a file, meshed if it is a script. Raises BadInput."""
+    gmsh.open(str(source))
+    if source.suffix == ".geo":
+        if size:
+            gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+        gmsh.model.mesh.generate(2)
+    elif size:
+        raise BadInput(f"--size is for scripts; '{source}' is meshed already")
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    _, corners = gmsh.model.mesh.getElementsByType(2)
+    if len(corners) == 0:
+        raise BadInput(f"'{source}' holds no triangles of three nodes")
+    row = np.empty(int(tags.max()) + 1, dtype=int)
+    row[tags.astype(int)] = np.arange(len(tags))
+    used, triangles = np.unique(row[corners.astype(int)], return_inverse=True)
+    coordinates = coordinates.reshape(-1, 3)[used]
+    if np.ptp(coordinates[:, 2]) > 1e-9 * np.ptp(coordinates[:, :2]):
+        raise BadInput(f"'{source}' is not plane: z reaches from {coordinates[:, 2].min():g} to {coordinates[:, 2].max():g}")
+    labels = {}
+    for dimension, group in gmsh.model.getPhysicalGroups(1):
+        label = number_of(gmsh.model.getPhysicalName(dimension, group), group, source)
+        for curve in gmsh.model.getEntitiesForPhysicalGroup(dimension, group):
+            _, ends = gmsh.model.mesh.getElementsByType(1, curve)
+            for a, b in np.searchsorted(used, row[ends.astype(int)]).reshape(-1, 2):
+                labels[frozenset((int(a), int(b)))] = label
+    return labelled(coordinates[:, :2], triangles.reshape(-1, 3), labels, source)
+
+
+def number_of(name, group, source):
+    """The label of a physical curve, by its name or its number."""
+    if name in LABELS:
+        return LABELS[name]
+    if name:
+        raise BadInput(f"'{source}' has a physical curve '{name}'; names are {', '.join(LABELS)}, or none and a number")
+    return group
+
+
+def labelled(points, triangles, labels, source):
+    """A PlaneMesh whose boundary edges carry labels, a dictionary of pairs of points."""
+    triangles = with_free_corners(points, oriented(points, triangles))
+    edges, count = edges_of(triangles)
+    edges = edges[count == 1]
+    found = np.array([labels.get(frozenset((int(a), int(b))), 0) for a, b in edges])
+    if np.any(found == 0):
+        a, b = points[edges[found == 0][0]]
+        raise BadInput(f"{np.sum(found == 0)} boundary edges of '{source}' belong to no physical curve, the first from ({a[0]:g}, {a[1]:g}) to ({b[0]:g}, {b[1]:g}): name every side")
+    ends = points[edges]
+    points, triangles = renumbered(points, triangles)
+    place = {tuple(point): k for k, point in enumerate(points)}
+    if len(place) < len(points):
+        raise BadInput(f"'{source}' has two nodes in one place: remove duplicates, or give matching sides one curve")
+    edges = np.array([[place[tuple(point)] for point in pair] for pair in ends])
+    order = np.lexsort((edges[:, 0], found))
+    return PlaneMesh(points, triangles, edges[order], found[order])
