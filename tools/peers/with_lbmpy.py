@@ -1,6 +1,6 @@
-"""Settling disks with lbmpy: lattice Boltzmann, partially saturated cells.
+"""Free disks with lbmpy: lattice Boltzmann, partially saturated cells.
 
-    python -m tools.peers.with_lbmpy settling|fast|two LEVEL
+    python -m tools.peers.with_lbmpy settling|fast|two|drift LEVEL
 
 Noble and Torczynski (Int. J. Mod. Phys. C 9, 1998): each cell's collision is a mean of the
 fluid's and of one that turns the populations to the disk's velocity, weighted with the share of
@@ -9,12 +9,15 @@ fluid inside which is accelerated with the last step's acceleration. Two relaxat
   settling   cases/settling_disk.edp up to 0.4 s: mean velocity over 0.3 to 0.4 s, cm/s
   fast       the same with rho_s = 1.5 g/cm3, mu = 0.01 g/(cm s): largest Reynolds number, with rho_s
   two        cases/drafting_kissing_tumbling.edp up to 0.15 s, before the disks touch: heights, cm
+  drift      cases/couette_disk.edp (period 1, lengths in the distance H of the plates, speeds in theirs): heights at t U/H = 10, 20 ... 60
+             and the largest distance of the path up to there from that of Feng et al. (1994)
 A level is cells across the diameter and the speed on the lattice that stands for that of the scene.
 cpu_s is without the generation and compilation of the kernels, as it is without every package's
 imports.
 """
 import time
 
+from tools.command import ROOT
 from tools.peers.common import asked, report
 
 import warnings
@@ -23,16 +26,19 @@ from dataclasses import dataclass
 import numpy as np
 import pystencils as ps
 from lbmpy import LBMConfig, LBMOptimisation, LBStencil, Method, Stencil, create_lb_update_rule
-from lbmpy.boundaries import LatticeBoltzmannBoundaryHandling, NoSlip
+from lbmpy.boundaries import UBB, LatticeBoltzmannBoundaryHandling, NoSlip
 from lbmpy.partially_saturated_cells import PSMConfig
 from pystencils.slicing import slice_from_direction
 
-WIDTH, HEIGHT, DIAMETER, GRAVITY = 2.0, 6.0, 0.25, 981.0  # cm, cm/s2
+DIAMETER = 0.25  # cm; of the distance of the plates
 
 
 @dataclass
 class Scene:
-    """Disks that start at rest: centres (cm), density over the fluid's, nu (cm2/s), a speed (cm/s), an end (s)."""
+    """Disks that start at rest: centres (cm), density over the fluid's, nu (cm2/s), a speed (cm/s), an end (s); the box (cm), gravity (cm/s2).
+
+    shear: rate (1/s) of a flow between plates that move against each other, periodic along them; 0: a closed box.
+    """
 
     starts: tuple
     ratio: float
@@ -40,18 +46,23 @@ class Scene:
     speed: float
     end: float
     levels: tuple  # (cells across the diameter, speed on the lattice)
+    size: tuple = (2.0, 6.0)
+    gravity: float = 981.0
+    shear: float = 0.0
 
 
 SCENES = {"settling": Scene(((1.0, 4.0),), 1.25, 0.1, 5.6, 0.4, ((8, 0.04), (12, 0.04), (16, 0.04), (24, 0.04))),
           "fast": Scene(((1.0, 4.0),), 1.5, 0.01, 14.0, 0.35, ((16, 0.03), (24, 0.03), (32, 0.03), (48, 0.03))),
-          "two": Scene(((1.0005, 4.5), (0.9995, 5.0)), 1.5, 0.01, 14.0, 0.1501, ((16, 0.03), (24, 0.03), (32, 0.03), (48, 0.03)))}
+          "two": Scene(((1.0005, 4.5), (0.9995, 5.0)), 1.5, 0.01, 14.0, 0.1501, ((16, 0.03), (24, 0.03), (32, 0.03), (48, 0.03))),
+          "drift": Scene(((0.5, 0.25),), 1.0, 1 / 40, 0.5, 60.0, ((8, 0.03), (12, 0.03), (16, 0.03), (24, 0.03)), size=(1.0, 1.0), gravity=0.0, shear=1.0)}
 
 
 class Lattice:
-    """The box of nx by ny cells, kernels compiled; the fields of the disk are zero."""
+    """The box of nx by ny cells, kernels compiled; the fields of the disk are zero, the fluid at rest or sheared by `shear` a cell and step."""
 
-    def __init__(self, nx, ny, rate):
-        self.data = ps.create_data_handling((nx, ny), periodicity=False, default_target=ps.Target.CPU)
+    def __init__(self, nx, ny, rate, shear):
+        self.nx = nx
+        self.data = ps.create_data_handling((nx, ny), periodicity=(shear != 0, False), default_target=ps.Target.CPU)
         source, target = (self.data.add_array(name, values_per_cell=9) for name in ("source", "target"))
         solid = self.data.add_array("solid", values_per_cell=1)
         velocity, force = (self.data.add_array(name, values_per_cell=2) for name in ("velocity", "force"))
@@ -64,8 +75,11 @@ class Lattice:
         rule = create_lb_update_rule(lbm_config=config, lbm_optimisation=LBMOptimisation(symbolic_field=source, symbolic_temporary_field=target))
         self.kernel = ps.create_kernel(rule, ps.CreateKernelConfig(target=ps.Target.CPU)).compile()
         self.walls = LatticeBoltzmannBoundaryHandling(rule.method, self.data, "source", name="walls")
-        for side in "NSEW":
+        for side in "NSEW" if shear == 0 else "":
             self.walls.set_boundary(NoSlip(), slice_from_direction(side, 2))
+        for side, sign in (("N", 1), ("S", -1)) if shear else ():
+            self.walls.set_boundary(UBB((sign * shear * ny / 2, 0)), slice_from_direction(side, 2))
+        self.seams = self.data.synchronization_function(["source"]) if shear else lambda: None
         self.ghosts = self.data.ghost_layers_of_field("solid")
         arrays = self.data.cpu_arrays
         self.solid, self.velocity, self.force = arrays["solid"], arrays["velocity"], arrays["force"]
@@ -74,8 +88,12 @@ class Lattice:
         self.walls()  # compiles the boundary's kernels
         self.data.run_kernel(self.kernel)
         self.data.fill("source", 0.0, ghost_layers=True)
+        u = shear * (np.arange(ny) + 0.5 - ny / 2)
+        for k, ((cx, _), weight) in enumerate(zip(rule.method.stencil, rule.method.weights)):
+            arrays["source"][:, self.ghosts:ny + self.ghosts, k] = float(weight) * (3 * cx * u + 4.5 * (cx * u) ** 2 - 1.5 * u**2)
 
     def step(self):
+        self.seams()
         self.walls()
         self.data.run_kernel(self.kernel)
         self.data.swap("source", "target")
@@ -111,11 +129,12 @@ class Disk:
 
     def cover(self, lattice, relaxation):
         """Sets the solid share and velocity of the cells round the centre (cell centres at whole numbers and a half)."""
-        corner = self.x.astype(int) - self.reach
+        corner = np.floor(self.x).astype(int) - self.reach
         self.rx, self.ry = np.meshgrid(*(np.arange(c, c + 2 * self.reach + 1) + 0.5 - centre for c, centre in zip(corner, self.x)), indexing="ij")
         share = covered(self.rx, self.ry, self.radius)
         self.own = share > 0
-        self.window = tuple(slice(c + lattice.ghosts, c + 2 * self.reach + 1 + lattice.ghosts) for c in corner)
+        along, across = (np.arange(c, c + 2 * self.reach + 1) for c in corner)
+        self.window = np.ix_(along % lattice.nx + lattice.ghosts, across + lattice.ghosts)
         lattice.solid[self.window] += share * (relaxation - 0.5) / ((1 - share) + (relaxation - 0.5))
         lattice.velocity[self.window + (0,)] += self.own * (self.v[0] - self.omega * self.ry)
         lattice.velocity[self.window + (1,)] += self.own * (self.v[1] + self.omega * self.rx)
@@ -135,11 +154,11 @@ def fall(scene, level):
     cells, speed = scene.levels[level]
     h = DIAMETER / cells
     dt = speed * h / scene.speed
-    nx, ny = round(WIDTH / h), round(HEIGHT / h)
+    nx, ny = (round(side / h) for side in scene.size)
     relaxation = 3 * scene.nu * dt / h**2 + 0.5
-    lattice = Lattice(nx, ny, 1 / relaxation)
+    lattice = Lattice(nx, ny, 1 / relaxation, scene.shear * dt)
     begin = time.process_time()
-    disks = [Disk(np.array(start) / h, cells, scene.ratio, GRAVITY * dt**2 / h) for start in scene.starts]
+    disks = [Disk(np.array(start) / h, cells, scene.ratio, scene.gravity * dt**2 / h) for start in scene.starts]
     steps = round(scene.end / dt)
     x, v = np.empty((steps, len(disks), 2)), np.empty((steps, len(disks), 2))
     for step in range(steps):
@@ -157,12 +176,22 @@ def fall(scene, level):
     return (np.arange(steps) + 1) * dt, x * h, v * h / dt, nx * ny, begin
 
 
+def feng():
+    """Times and heights of the published path."""
+    lines = (ROOT / "tests" / "reference" / "shear_migration_feng1994.csv").read_text(encoding="utf-8").splitlines()
+    return np.array([[float(word) for word in line.split(",")] for line in lines if line[0].isdigit()]).T
+
+
 def found(name, t, x, v):
     """The numbers of a scene."""
     if name == "settling":
         return {"mean_v": np.interp(np.linspace(0.3, SCENES[name].end, 1001), t, v[:, 0, 1]).mean()}
     if name == "fast":
         return {"reynolds_most": SCENES[name].ratio * np.hypot(*v[:, 0].T).max() * DIAMETER / SCENES[name].nu}
+    if name == "drift":
+        when, height = feng()
+        off = abs(np.interp(when, t, x[:, 0, 1]) - height)[when <= SCENES[name].end + 0.1]
+        return {f"y_{at}": np.interp(at, t, x[:, 0, 1]) for at in range(10, 61, 10)} | {"off_feng": off.max()}
     return {"leading_y": np.interp(0.15, t, x[:, 0, 1]), "trailing_y": np.interp(0.15, t, x[:, 1, 1])}
 
 
