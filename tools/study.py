@@ -181,9 +181,10 @@ def run_study(study, mesh_maker=make_mesh, say=print):
                 return None if size is None else Path(mesh_maker(study, size)).resolve()
             except BadInput as problem:
                 return problem
-        meshes = dict(zip(study.meshsizes, pool.map(mesh_of, study.meshsizes)))
-        waiting = {pool.submit(one_run, study, size, dt, meshes[size]): (size, dt) for size, dt in pairs}
+        waiting = {}
         try:
+            meshes = dict(zip(study.meshsizes, pool.map(mesh_of, study.meshsizes)))
+            waiting.update((pool.submit(one_run, study, size, dt, meshes[size]), (size, dt)) for size, dt in pairs)
             for future in concurrent.futures.as_completed(waiting):
                 record = measure(study, future.result(), functions)
                 records.append(record)
