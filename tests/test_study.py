@@ -2,6 +2,7 @@
 import csv
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -191,6 +192,18 @@ def test_bad_input_is_one_line_and_status_3(case, tmp_path, words):
     done = subprocess.run([sys.executable, "-m", "tools.study", *words], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 3, done.stderr
     assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("more, name", [([], "falling"), (["--recipe", "boks"], "boks")])
+def test_a_case_without_a_recipe_is_told_so_before_anything_runs(case, tmp_path, more, name):
+    with pytest.raises(BadInput, match=f"no recipe {name}, .* --recipe .*settling_disk"):
+        study.main([str(case), "--meshsize", "0.1", "--quantity", "final_y", "--out", str(tmp_path / "out"), *more])
+    assert not (tmp_path / "out").exists()
+
+
+def test_every_quantity_has_a_whole_sentence_in_the_help():
+    lines = quantities.summary(quantities.load()).splitlines()
+    assert len(lines) > 10 and not [line for line in lines if not re.search(r"\S {2,}\S.*[.]$", line)]
 
 
 def ended_by(number, words, folder):
