@@ -1,4 +1,6 @@
 """lib/options.idp: what the command line gives, and how nonsense is refused."""
+import json
+
 import pytest
 
 SCRIPT = """
@@ -84,3 +86,16 @@ def test_help_lists_every_option_with_its_default_and_unit(freefem_text):
     for part in ("trial: a script", "-tend 0.333333 s", "-number 5", "-dt 0.02 s", "end time", "standard|published"):
         assert part in run.stdout
     assert "values " not in run.stdout
+
+
+def test_run_json_can_be_read_whatever_the_texts_hold(freefem_text, run_folder):
+    freefem_text(r'''include "lib/output.idp"
+optCase("trial", "a \"round\" disk\tin C:\\flows\\");
+real density = optReal("-rho", 1, "\"kg\"\\m3", "density");
+outDeclare();
+optEnd();
+outBegin("");
+outEnd(1, 1, "finished");
+''', "-out", run_folder)
+    run = json.loads((run_folder / "run.json").read_text())
+    assert run["about"] == 'a "round" disk in C:\\flows\\' and run["units"]["-rho"] == '"kg"\\m3' and run["parameters"]["-rho"] == 1

@@ -184,6 +184,35 @@ def test_a_bad_list_of_particles_is_refused(freefem, tmp_path, text, words):
     assert done.returncode == 3 and words in done.stdout + done.stderr
 
 
+def test_what_windows_and_spreadsheets_write_is_read(freefem_text, tmp_path):
+    """Numbers such as 5., line ends and a byte order mark of Windows, in particles and in a mesh."""
+    mesh = (ROOT / "meshes/cavity.mesh").read_bytes()
+    (tmp_path / "windows.mesh").write_bytes(mesh.replace(b"\n", b"\r\n"))
+    (tmp_path / "windows.csv").write_bytes(b"\xef\xbb\xbfid,x,y,radius,density\r\n7,5.,-.5,1.e-1,2\r\n9,3, 4.e0 ,1,2.\r\n")
+    got = freefem_text(f"""include "lib/bodies.idp"
+include "lib/mesh.idp"
+bodyRead("{tmp_path}/windows.csv");
+mesh Th = meshRead("{tmp_path}/windows.mesh"), Ts = meshRead("meshes/cavity.mesh");
+cout << "read " << bodyNumber << " " << bodyId[0] << " " << bodyX[0] << " " << bodyY[0] << " " << bodyRadius[0] << " " << bodyId[1] << " " << bodyY[1] << " " << bodyDensity[1] << " " << Th.nt - Ts.nt << " " << Th.nbe - Ts.nbe << " " << int1d(Th, labelTop)(x) - int1d(Ts, labelTop)(x) << endl;
+""").stdout
+    line = next(line for line in got.splitlines() if line.startswith("read "))
+    assert [float(word) for word in line.split()[1:]] == [2, 7, 5, -0.5, 0.1, 9, 4, 2, 0, 0, 0]
+    assert read_table(tmp_path / "windows.csv")["id"].tolist() == [7, 9]
+
+
+def test_an_id_of_the_case_itself_is_told_from_one_given_twice(freefem_refused, tmp_path):
+    (tmp_path / "more.csv").write_text("id,x,y,radius,density\n5,0.4,1,0.2,2\n0,0.4,2,0.2,2\n")
+    line = freefem_refused(3, "cases/template.edp", "-particles", tmp_path / "more.csv", "-out", tmp_path / "run")
+    assert "names a particle 0, and so does the case itself; ids from 3 on are free" in line
+
+
+@pytest.mark.parametrize("values", ["1e31, 0, 0", "0, 1e31, 0", "0, 0, 1e31", "0, sqrt(-bodyX[0]), 0"])
+def test_a_velocity_that_is_no_number_is_refused(freefem_text, values):
+    text = f'include "lib/bodies.idp"\nbodyDisk(1, 1, 0.1, 2);\nbodyAdd(2, 1, 0.1, 2, {values}, 1);\nbodyDisk(3, 1, 0.1, 2);\nbodyCheck();\n'
+    done = freefem_text(text, check=False)
+    assert done.returncode == 3 and "particle 1 has" in done.stderr and "velocity that is no number" in done.stderr
+
+
 def test_nearest_points_of_an_ellipse_are_those_of_a_search(freefem_text):
     major, minor, theta = 1.0, 0.4, 0.7
     spots = np.random.default_rng(3).uniform(-1.2, 1.2, (40, 2))

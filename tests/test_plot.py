@@ -135,8 +135,9 @@ def test_particles_of_a_periodic_run_are_drawn_inside_and_on_both_sides_of_its_s
     assert np.allclose(sorted(map(tuple, rows[:, :3])), sorted([(4, 1.05, 0.5), (4, 3.05, 0.5), (5, 1.95, 0.98), (5, 1.95, -0.02)]))
     assert np.allclose(run.particles_at(0.5)[:3, 0], [4, 2.9, 0.5])  # half way
     assert run.clip == run.extent
-    pieces = plot.broken({"x": run.wrapped(run.tracks[4]["x"], 0), "y": run.wrapped(run.tracks[4]["y"], 1)}, run.extent)
-    assert [len(piece) for piece in pieces] == [1, 1]
+    pieces = plot.broken(run.tracks[4], run.extent, run.period)  # both reach over the seam at x = 1 and 3
+    assert [piece[:, 0].tolist() for piece in pieces] == [pytest.approx([1.05, 0.75]), pytest.approx([3.05, 2.75])]
+    assert [len(piece) for piece in plot.broken({"x": np.array([1.2, 2.4, 3.4, 3.6, 2.8]), "y": np.full(5, 0.5)}, run.extent, (2, 0))] == [3, 4, 2]
 
 
 def test_six_times_are_spread_and_end_at_the_end():
@@ -223,3 +224,32 @@ def test_the_reference_of_mesh_files_is_read(tmp_path):
                                      "Edges\n1\n1 2 7\nTriangles\n1\n1 2 3 0\nEnd\n")
     mesh = read_mesh(tmp_path / "t.mesh")
     assert mesh.labels.tolist() == [7] and mesh.triangles.tolist() == [[0, 1, 2]] and mesh.edges.tolist() == [[0, 1]]
+
+
+@pytest.mark.parametrize("t_end", [0.15, 0.35, 0.2, 4e4])
+def test_the_labels_of_time_keep_apart(tmp_path, monkeypatch, t_end):
+    folder, drawn = write_run(tmp_path / "run", steps=20, t_end=t_end), []
+    monkeypatch.setattr(plot, "save", lambda figure, path: drawn.append(figure))
+    plot.plot_series(RunFolder(folder), None)
+    figure = drawn[0]
+    figure.canvas.draw()
+    for one in figure.axes:
+        boxes = sorted(((box.x0, box.x1) for box in (label.get_window_extent() for label in one.get_xticklabels() if label.get_text())))
+        assert all(right[0] - left[1] > 12 for left, right in zip(boxes, boxes[1:]))  # two digits
+    plt.close(figure)
+
+
+def test_a_path_over_a_seam_is_drawn_to_it_on_both_sides_and_no_further(tmp_path, monkeypatch):
+    folder, drawn = write_run(tmp_path / "run", number=1, steps=4), []
+    (folder / "run.json").write_text('{"case": "made_up", "period": [0.4, 0]}')
+    monkeypatch.setattr(plot, "save", lambda figure, path: drawn.append(figure))
+    run = RunFolder(folder)
+    run.__dict__["extent"] = (0.0, -0.1, 0.4, 0.2)
+    plot.plot_trajectories(run, None)
+    lines = [line for line in drawn[0].axes[0].lines if len(line.get_xdata())]
+    ends = [(line.get_xdata()[0], line.get_xdata()[-1]) for line in lines]
+    assert len(ends) > 1 and all(a[1] >= 0.4 and b[0] <= 0 for a, b in zip(ends, ends[1:]))
+    drawn[0].canvas.draw()
+    seams = drawn[0].axes[0].transData.transform([(0, 0), (0.4, 0)])[:, 0]
+    assert all((line.get_clip_box().x0, line.get_clip_box().x1) == pytest.approx(seams) for line in lines)
+    plt.close(drawn[0])

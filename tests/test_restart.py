@@ -198,3 +198,16 @@ def test_a_restart_knows_its_folder_and_its_mesh(mesh, unbroken, tmp_path):
     (tmp_path / "stretched.mesh").write_text("\n".join(lines) + "\n")
     other = run_freefem(CASE, "-mesh", tmp_path / "stretched.mesh", *WHOLE, "-restart", unbroken, "-out", tmp_path / "other", check=False)
     assert other.returncode == 3 and "another mesh" in other.stderr
+
+
+def test_a_case_that_was_edited_goes_on_with_a_warning(tmp_path):
+    text = (ROOT / "cases/template.edp").read_text()
+    case, words = tmp_path / "mine.edp", ["-dt", "0.01", "-checkpoint", "1", "-mesh", "meshes/settling_disk.mesh"]
+    case.write_text(text)
+    run_freefem(case, *words, "-tend", "0.01", "-out", tmp_path / "run")
+    same = run_freefem(case, *words, "-tend", "0.02", "-restart", tmp_path / "run")
+    case.write_text(text.replace("diameter/2, 1.2", "diameter/2, 1.3"))
+    edited = run_freefem(case, *words, "-tend", "0.03", "-restart", tmp_path / "run")
+    again = run_freefem(case, *words, "-tend", "0.04", "-restart", tmp_path / "run")
+    assert ["mine.edp has changed since the checkpoint" in run.stdout for run in (same, edited, again)] == [False, True, False]
+    assert all("goes on from t" in run.stdout for run in (same, edited, again))

@@ -2,8 +2,12 @@
 import csv
 import math
 import os
+import re
+import signal
 import subprocess
 import sys
+import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -190,23 +194,48 @@ def test_bad_input_is_one_line_and_status_3(case, tmp_path, words):
     assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
 
 
-def test_a_stopped_study_ends_its_runs_and_goes_on_later(case, tmp_path):
-    """The keyboard stops a study at once; the run under way leaves no record."""
-    import signal
-    import time
-    case.write_text('exec("sleep 47"); exit(0);\n')
-    process = subprocess.Popen([sys.executable, "-m", "tools.study", str(case), "--dt", "0.1", "0.2", "--quantity", "final_y",
-                                "--jobs", "1", "--out", str(tmp_path / "out")], cwd=ROOT, stdout=subprocess.DEVNULL,
-                               stderr=subprocess.DEVNULL)
-    time.sleep(3)
-    begin = time.perf_counter()
-    process.send_signal(signal.SIGINT)
-    assert process.wait(20) == 130 and time.perf_counter() - begin < 10
+@pytest.mark.parametrize("more, name", [([], "falling"), (["--recipe", "boks"], "boks")])
+def test_a_case_without_a_recipe_is_told_so_before_anything_runs(case, tmp_path, more, name):
+    with pytest.raises(BadInput, match=f"no recipe {name}, .* --recipe .*settling_disk"):
+        study.main([str(case), "--meshsize", "0.1", "--quantity", "final_y", "--out", str(tmp_path / "out"), *more])
+    assert not (tmp_path / "out").exists()
+
+
+def test_every_quantity_has_a_whole_sentence_in_the_help():
+    lines = quantities.summary(quantities.load()).splitlines()
+    assert len(lines) > 10 and not [line for line in lines if not re.search(r"\S {2,}\S.*[.]$", line)]
+
+
+def ended_by(number, words, folder):
+    """Starts a tool whose case writes its process number to folder/pid, ends it by a signal;
+    returns its status, what it said, and whether the case is still there."""
+    process = subprocess.Popen([sys.executable, *words], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    until = time.monotonic() + 20
+    while not (folder / "pid").is_file() and time.monotonic() < until:
+        time.sleep(0.05)
+    process.send_signal(number)
+    said = process.communicate(timeout=10)[1]
+    left = Path(f"/proc/{(folder / 'pid').read_text().strip()}/cmdline")
+    return process.returncode, said, left.is_file() and left.read_bytes() != b""  # empty: it has ended, nobody has asked how
+
+
+@pytest.mark.parametrize("number, status, line", [(signal.SIGINT, 130, "stopped by the keyboard\n"), (signal.SIGTERM, 143, "stopped by SIGTERM\n")])
+def test_a_stopped_study_ends_its_runs_and_goes_on_later(case, tmp_path, number, status, line):
+    """A signal stops a study at once; the run under way leaves no record and no process."""
+    case.write_text(f'exec("cd {tmp_path} && echo $PPID > new && mv new pid; sleep 47"); exit(0);\n')
+    words = ["-m", "tools.study", str(case), "--dt", "0.1", "0.2", "--quantity", "final_y", "--jobs", "1", "--out", str(tmp_path / "out")]
+    assert ended_by(number, words, tmp_path) == (status, line, False)
     assert not list((tmp_path / "out" / "runs").glob("*.json"))
 
 
+def test_a_tool_that_waits_for_one_run_ends_it_when_it_is_ended(tmp_path):
+    """As the study does; here no thread stands between the tool and the run."""
+    tool = ("from tools.command import guarded; from tools.runner import run_command; "
+            f"guarded(lambda: run_command(['sh', '-c', 'echo $$ > {tmp_path}/pid; sleep 47']).status)")
+    assert ended_by(signal.SIGTERM, ["-c", tool], tmp_path) == (143, "stopped by SIGTERM\n", False)
+
+
 def test_a_run_that_is_ended_while_it_starts_does_not_go_on(monkeypatch):
-    import time
     from tools import runner
     make = runner.subprocess.Popen
 

@@ -1,10 +1,11 @@
 """What every command line tool shares: how it reads its options and how it ends.
 
 Exit statuses: 0 done, 1 a comparison failed, 3 bad input with one line on the
-error stream that says what, where and what to do.
+error stream that says what, where and what to do, 128 + signal when stopped from outside.
 """
 import argparse
 import os
+import signal
 import sys
 from pathlib import Path
 
@@ -14,6 +15,10 @@ BAD_INPUT = 3
 
 class BadInput(Exception):
     """An argument or an input file that cannot be used; the text is one line for the user."""
+
+
+class Ended(KeyboardInterrupt):
+    """The process is to end, by a signal that is not the keyboard's; what stops for that stops for this."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -29,7 +34,11 @@ class Parser(argparse.ArgumentParser):
 
 
 def guarded(main):
-    """Run main() and end the process with its status; BadInput becomes one line and status 3."""
+    """Run main() and end the process with its status; BadInput becomes one line and status 3,
+    SIGTERM and a closed terminal (SIGHUP) end the runs under way as the keyboard does."""
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) == signal.SIG_DFL:  # nohup ignores SIGHUP
+            signal.signal(number, end)
     try:
         status = main()
         sys.stdout.flush()
@@ -43,6 +52,15 @@ def guarded(main):
     except BrokenPipeError:  # the reader of our output has gone (| head)
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(0)
+    except Ended as problem:
+        number = problem.args[0]
+        print(f"stopped by {signal.Signals(number).name}", file=sys.stderr)
+        sys.exit(128 + number)
     except KeyboardInterrupt:
         print("stopped by the keyboard", file=sys.stderr)
         sys.exit(130)
+
+
+def end(number, _):
+    """The answer to a signal that asks the process to end."""
+    raise Ended(number)

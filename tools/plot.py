@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from tools.command import BadInput, Parser, guarded
@@ -81,11 +82,16 @@ def title(run, what, inches):
     return text if len(text) * 0.075 < inches else what
 
 
-def broken(track, extent):
-    """A track as pieces (k, 2), cut where it crosses the seam of a periodic domain."""
-    points = np.column_stack([track["x"], track["y"]])
-    jumps = np.any(abs(np.diff(points, axis=0)) > 0.5 * np.asarray(extent[2:]), axis=1)
-    return np.split(points, np.flatnonzero(jumps) + 1)
+def broken(track, extent, period=(0, 0)):
+    """A track as pieces (k, 2) in the domain, cut at its seams. Where the period is known a piece goes on for a
+    row beyond the seam at either end, to be clipped there; else it ends where the table jumps over the seam."""
+    points, period = np.column_stack([track["x"], track["y"]]), np.asarray(period, dtype=float)
+    if not period.any():
+        jumps = np.any(abs(np.diff(points, axis=0)) > 0.5 * np.asarray(extent[2:]), axis=1)
+        return np.split(points, np.flatnonzero(jumps) + 1)
+    cells = np.floor((points - extent[:2]) / np.where(period > 0, period, np.inf))
+    cuts = [0, *np.flatnonzero(np.diff(cells, axis=0).any(axis=1)) + 1, len(points)]
+    return [points[max(low - 1, 0):high + 1] - cells[low] * period for low, high in zip(cuts, cuts[1:])]
 
 
 def plot_trajectories(run, path):
@@ -102,8 +108,10 @@ def plot_trajectories(run, path):
     ends, colours, last = [], [], max(track["t"][-1] for track in tracks)
     for track, diameter in zip(tracks, diameters):
         colour = LINE_MAP(scale(diameter))
-        for piece in broken({"x": run.wrapped(track["x"], 0), "y": run.wrapped(track["y"], 1)}, run.extent):
-            axes.plot(piece[:, 0], piece[:, 1], color=colour, linewidth=1.1, alpha=0.9, zorder=3, solid_capstyle="round")
+        for piece in broken(track, run.extent, run.period):
+            line, = axes.plot(piece[:, 0], piece[:, 1], color=colour, linewidth=1.1, alpha=0.9, zorder=3, solid_capstyle="round")
+            if run.clip:
+                line.set_clip_path(Rectangle(run.clip[:2], *run.clip[2:], transform=axes.transData))
         if track["t"][-1] < last:
             continue
         colours.append(colour)
@@ -188,6 +196,8 @@ def plot_series(run, path):
         one.grid(True)
     for one in axes.flat[len(wanted):]:
         one.remove()
+    for one in axes.flat:  # wide labels, such as 0.025, would run together
+        one.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
     for column in range(2):
         shown = [row for row in range(rows) if 2 * row + column < len(wanted)]
         if shown:

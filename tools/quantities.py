@@ -79,8 +79,9 @@ def mean_omega(run, start=math.nan, end=math.nan, particle=-1):
 
 
 def noise_v(run, start=math.nan, end=math.nan, particle=-1):
-    """Standard deviation of v about its parabola over a window, over the mean |v|: what the
-    mesh adds as the particle crosses it."""
+    """Standard deviation of v about its parabola over a window, over the mean |v|.
+
+    It is what the mesh adds as the particle crosses it."""
     track = _track(run, particle)
     start, end = _window(run, start, end, track["t"])
     inside = (track["t"] >= start - 1e-12) & (track["t"] <= end + 1e-12)

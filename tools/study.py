@@ -68,6 +68,14 @@ class Study:
         return Path(self.script).stem
 
 
+def require_recipe(name):
+    """Raises BadInput where tools.mesh has no recipe of this name."""
+    from tools.meshing import CASES
+    if name not in CASES:
+        raise BadInput(f"tools.mesh has no recipe {name}, which --meshsize needs: name one with --recipe "
+                       f"({', '.join(sorted(CASES))}), or leave --meshsize out and study --dt on the case's own mesh")
+
+
 def make_mesh(study, size):
     """The mesh file of an element size, made by tools.mesh unless it is there already.
     Raises BadInput with the reason."""
@@ -169,6 +177,8 @@ def run_study(study, mesh_maker=make_mesh, say=print):
     functions = {text: quantities.parse(text, known) for text in study.quantities}
     if not (ROOT / study.script).is_file():
         raise BadInput(f"there is no script {study.script}")
+    if mesh_maker is make_mesh and study.meshsizes != [None]:
+        require_recipe(study.recipe or study.case)
     freefem()
     study.out = Path(study.out or ROOT / "results" / "study" / study.case).resolve()
     study.out.mkdir(parents=True, exist_ok=True)
@@ -181,9 +191,10 @@ def run_study(study, mesh_maker=make_mesh, say=print):
                 return None if size is None else Path(mesh_maker(study, size)).resolve()
             except BadInput as problem:
                 return problem
-        meshes = dict(zip(study.meshsizes, pool.map(mesh_of, study.meshsizes)))
-        waiting = {pool.submit(one_run, study, size, dt, meshes[size]): (size, dt) for size, dt in pairs}
+        waiting = {}
         try:
+            meshes = dict(zip(study.meshsizes, pool.map(mesh_of, study.meshsizes)))
+            waiting.update((pool.submit(one_run, study, size, dt, meshes[size]), (size, dt)) for size, dt in pairs)
             for future in concurrent.futures.as_completed(waiting):
                 record = measure(study, future.result(), functions)
                 records.append(record)

@@ -14,7 +14,7 @@ def read_table(path):
     """The columns of a CSV file as {name: array}. A last row cut short (a run killed
     while writing on a full disk) is an error like any other: rows are whole or wrong."""
     try:
-        with open(path, newline="", encoding="utf-8") as stream:
+        with open(path, newline="", encoding="utf-8-sig") as stream:
             lines = [(number, line) for number, line in enumerate(stream, 1)
                      if line.strip() and not line.lstrip().startswith("#")]
     except (OSError, UnicodeDecodeError) as problem:

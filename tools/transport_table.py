@@ -24,7 +24,7 @@ import numpy as np
 from tools.command import ROOT, BadInput, Parser, guarded
 from tools.plotting import PAGE_WIDTH, CURVES, plt, save
 from tools.run_folder import RunFolder
-from tools.runner import run_case
+from tools.runner import end_all, run_case
 from tools.study import fingerprint
 from tools.tables import write_table
 
@@ -114,7 +114,12 @@ def compute(seeds, out, options, jobs):
         return folder
     first = one(1)  # the steady flow is made once
     with ThreadPoolExecutor(jobs) as pool:
-        return [first, *pool.map(one, range(2, seeds + 1))]
+        try:
+            return [first, *pool.map(one, range(2, seeds + 1))]
+        except KeyboardInterrupt:
+            pool.shutdown(wait=False, cancel_futures=True)
+            end_all()
+            raise
 
 
 def parser():

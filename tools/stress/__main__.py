@@ -16,7 +16,6 @@ remedy). Status 0: nothing blew up or overlapped unnoticed and the defaults lie 
 1: something did; 3: bad input.
 """
 import datetime
-import signal
 import sys
 import time
 from pathlib import Path
@@ -87,11 +86,5 @@ def main(words=None, say=lambda line: print(line, flush=True)):
     return 1 if wrong or outside else 0
 
 
-def interrupted(*_):
-    """A stress run that is ended from outside ends its runs, as one that the keyboard stops."""
-    raise KeyboardInterrupt
-
-
 if __name__ == "__main__":
-    signal.signal(signal.SIGTERM, interrupted)
     sys.exit(guarded(main))
