@@ -1,17 +1,18 @@
-"""Free disks with lbmpy: lattice Boltzmann, partially saturated cells.
+"""Free disks and an ellipse with lbmpy: lattice Boltzmann, partially saturated cells.
 
-    python -m tools.peers.with_lbmpy settling|fast|two|drift LEVEL
+    python -m tools.peers.with_lbmpy settling|fast|two|drift|ellipse LEVEL
 
 Noble and Torczynski (Int. J. Mod. Phys. C 9, 1998): each cell's collision is a mean of the
 fluid's and of one that turns the populations to the disk's velocity, weighted with the share of
 the cell that is solid (sampled 8 x 8 at the rim); the momentum exchanged moves the disk, the
-fluid inside which is accelerated with the last step's acceleration. Two relaxation times.
+fluid inside which is accelerated with the last step's acceleration (of an ellipse its turning too). Two relaxation times.
   settling   cases/settling_disk.edp up to 0.4 s: mean velocity over 0.3 to 0.4 s, cm/s
   fast       the same with rho_s = 1.5 g/cm3, mu = 0.01 g/(cm s): largest Reynolds number, with rho_s
   two        cases/drafting_kissing_tumbling.edp up to 0.15 s, before the disks touch: heights, cm
   drift      cases/couette_disk.edp (period 1, lengths in the distance H of the plates, speeds in theirs): heights at t U/H = 10, 20 ... 60
              and the largest distance of the path up to there from that of Feng et al. (1994)
-A level is cells across the diameter and the speed on the lattice that stands for that of the scene.
+  ellipse    cases/ellipse_in_shear.edp (rates in that of the shear): time of half a turn, angular velocity at t G = 1, 3 ... 9
+A level is cells across the diameter (the minor axis of the ellipse) and the speed on the lattice that stands for that of the scene.
 cpu_s is without the generation and compilation of the kernels, as it is without every package's
 imports.
 """
@@ -30,14 +31,13 @@ from lbmpy.boundaries import UBB, LatticeBoltzmannBoundaryHandling, NoSlip
 from lbmpy.partially_saturated_cells import PSMConfig
 from pystencils.slicing import slice_from_direction
 
-DIAMETER = 0.25  # cm; of the distance of the plates
-
 
 @dataclass
 class Scene:
     """Disks that start at rest: centres (cm), density over the fluid's, nu (cm2/s), a speed (cm/s), an end (s); the box (cm), gravity (cm/s2).
 
     shear: rate (1/s) of a flow between plates that move against each other, periodic along them; 0: a closed box.
+    diameter: cm, of an ellipse the minor axis; aspect: major over minor axis, the major one upright at the start.
     """
 
     starts: tuple
@@ -49,12 +49,15 @@ class Scene:
     size: tuple = (2.0, 6.0)
     gravity: float = 981.0
     shear: float = 0.0
+    diameter: float = 0.25
+    aspect: float = 1.0
 
 
 SCENES = {"settling": Scene(((1.0, 4.0),), 1.25, 0.1, 5.6, 0.4, ((8, 0.04), (12, 0.04), (16, 0.04), (24, 0.04))),
           "fast": Scene(((1.0, 4.0),), 1.5, 0.01, 14.0, 0.35, ((16, 0.03), (24, 0.03), (32, 0.03), (48, 0.03))),
           "two": Scene(((1.0005, 4.5), (0.9995, 5.0)), 1.5, 0.01, 14.0, 0.1501, ((16, 0.03), (24, 0.03), (32, 0.03), (48, 0.03))),
-          "drift": Scene(((0.5, 0.25),), 1.0, 1 / 40, 0.5, 60.0, ((8, 0.03), (12, 0.03), (16, 0.03), (24, 0.03)), size=(1.0, 1.0), gravity=0.0, shear=1.0)}
+          "drift": Scene(((0.5, 0.25),), 1.0, 1 / 40, 0.5, 60.0, ((8, 0.03), (12, 0.03), (16, 0.03), (24, 0.03)), size=(1.0, 1.0), gravity=0.0, shear=1.0),
+          "ellipse": Scene(((1.0, 0.5),), 1.0, 0.04, 0.5, 10.0, ((8, 0.02), (12, 0.015), (16, 0.0125), (24, 0.01)), size=(2.0, 1.0), gravity=0.0, shear=1.0, diameter=0.1, aspect=2.0)}
 
 
 class Lattice:
@@ -99,27 +102,33 @@ class Lattice:
         self.data.swap("source", "target")
 
 
-def covered(rx, ry, radius):
-    """Share of each cell, centre at (rx, ry) from the disk's, that the disk covers."""
-    distance = np.hypot(rx, ry)
-    share = (distance < radius).astype(float)
-    rim = abs(distance - radius) < 1
+def covered(rx, ry, major, minor, theta):
+    """Share of each cell, centre at (rx, ry) from the body's, that the body covers; semi-axes in cells, angle of the major one."""
+
+    def level(x, y):
+        along, across = x * np.cos(theta) + y * np.sin(theta), y * np.cos(theta) - x * np.sin(theta)
+        return np.hypot(along / major, across / minor)
+
+    middle = level(rx, ry)
+    share = (middle < 1).astype(float)
+    rim = abs(middle - 1) * minor < 1
     offset = (np.arange(8) + 0.5) / 8 - 0.5
     sx, sy = np.meshgrid(offset, offset, indexing="ij")
-    share[rim] = ((rx[rim][:, None, None] + sx) ** 2 + (ry[rim][:, None, None] + sy) ** 2 < radius**2).mean((1, 2))
+    share[rim] = (level(rx[rim][:, None, None] + sx, ry[rim][:, None, None] + sy) < 1).mean((1, 2))
     return share
 
 
 class Disk:
-    """A disk on the lattice (cells, steps): it covers cells, and the momentum exchanged there moves it."""
+    """A disk or ellipse on the lattice (cells, steps): it covers cells, and the momentum exchanged there moves it."""
 
-    def __init__(self, start, cells, ratio, weight):
-        self.radius, self.x = cells / 2, np.array(start)
-        self.v, self.before, self.omega = np.zeros(2), np.zeros(2), 0.0
-        self.fluid = np.pi * self.radius**2
+    def __init__(self, start, cells, aspect, ratio, weight):
+        self.minor, self.major, self.x, self.theta = cells / 2, aspect * cells / 2, np.array(start), np.pi / 2
+        self.v, self.before, self.omega, self.omega_before = np.zeros(2), np.zeros(2), 0.0, 0.0
+        self.fluid = np.pi * self.major * self.minor
         self.mass, self.weight = ratio * self.fluid, np.array([0.0, -(ratio - 1) * self.fluid * weight])
-        self.inertia = 0.5 * self.mass * self.radius**2
-        self.reach, self.window = int(np.ceil(self.radius)) + 2, None
+        self.inertia = self.mass * (self.major**2 + self.minor**2) / 4
+        self.inner = self.inertia / ratio if aspect != 1 else 0.0  # of the fluid inside, where its turning counts
+        self.reach, self.window = int(np.ceil(self.major)) + 2, None
 
     def lift_off(self, lattice):
         """Leaves the cells of the last step."""
@@ -131,7 +140,7 @@ class Disk:
         """Sets the solid share and velocity of the cells round the centre (cell centres at whole numbers and a half)."""
         corner = np.floor(self.x).astype(int) - self.reach
         self.rx, self.ry = np.meshgrid(*(np.arange(c, c + 2 * self.reach + 1) + 0.5 - centre for c, centre in zip(corner, self.x)), indexing="ij")
-        share = covered(self.rx, self.ry, self.radius)
+        share = covered(self.rx, self.ry, self.major, self.minor, self.theta)
         self.own = share > 0
         along, across = (np.arange(c, c + 2 * self.reach + 1) for c in corner)
         self.window = np.ix_(along % lattice.nx + lattice.ghosts, across + lattice.ghosts)
@@ -145,22 +154,24 @@ class Disk:
         torque = (self.rx * exchanged[..., 1] - self.ry * exchanged[..., 0]).sum()
         last, self.before = self.v - self.before, self.v
         self.v = self.v + (exchanged.sum((0, 1)) + self.fluid * last + self.weight) / self.mass
-        self.omega += torque / self.inertia
+        turned, self.omega_before = self.omega - self.omega_before, self.omega
+        self.omega += (torque + self.inner * turned) / self.inertia
         self.x = self.x + 0.5 * (self.v + self.before)
+        self.theta += 0.5 * (self.omega + self.omega_before)
 
 
 def fall(scene, level):
-    """Times (n), centres and velocities (n, disks, 2) in s and cm, the number of cells and time.process_time() after compilation."""
+    """Times (n), centres and velocities (n, disks, 2) in s and cm, angles (n, disks), the number of cells and time.process_time() after compilation."""
     cells, speed = scene.levels[level]
-    h = DIAMETER / cells
+    h = scene.diameter / cells
     dt = speed * h / scene.speed
     nx, ny = (round(side / h) for side in scene.size)
     relaxation = 3 * scene.nu * dt / h**2 + 0.5
     lattice = Lattice(nx, ny, 1 / relaxation, scene.shear * dt)
     begin = time.process_time()
-    disks = [Disk(np.array(start) / h, cells, scene.ratio, scene.gravity * dt**2 / h) for start in scene.starts]
+    disks = [Disk(np.array(start) / h, cells, scene.aspect, scene.ratio, scene.gravity * dt**2 / h) for start in scene.starts]
     steps = round(scene.end / dt)
-    x, v = np.empty((steps, len(disks), 2)), np.empty((steps, len(disks), 2))
+    x, v, angle = np.empty((steps, len(disks), 2)), np.empty((steps, len(disks), 2)), np.empty((steps, len(disks)))
     for step in range(steps):
         for disk in disks:
             disk.lift_off(lattice)
@@ -169,11 +180,11 @@ def fall(scene, level):
         lattice.step()
         for k, disk in enumerate(disks):
             disk.move(lattice)
-            x[step, k], v[step, k] = disk.x, disk.v
+            x[step, k], v[step, k], angle[step, k] = disk.x, disk.v, disk.theta
         if not np.isfinite(v[step]).all():
             print("error: no longer finite; a smaller speed of the lattice is needed")
             raise SystemExit(4)
-    return (np.arange(steps) + 1) * dt, x * h, v * h / dt, nx * ny, begin
+    return (np.arange(steps) + 1) * dt, x * h, v * h / dt, angle, nx * ny, begin
 
 
 def feng():
@@ -182,16 +193,19 @@ def feng():
     return np.array([[float(word) for word in line.split(",")] for line in lines if line[0].isdigit()]).T
 
 
-def found(name, t, x, v):
+def found(name, t, x, v, angle):
     """The numbers of a scene."""
     if name == "settling":
         return {"mean_v": np.interp(np.linspace(0.3, SCENES[name].end, 1001), t, v[:, 0, 1]).mean()}
     if name == "fast":
-        return {"reynolds_most": SCENES[name].ratio * np.hypot(*v[:, 0].T).max() * DIAMETER / SCENES[name].nu}
+        return {"reynolds_most": SCENES[name].ratio * np.hypot(*v[:, 0].T).max() * SCENES[name].diameter / SCENES[name].nu}
     if name == "drift":
         when, height = feng()
         off = abs(np.interp(when, t, x[:, 0, 1]) - height)[when <= SCENES[name].end + 0.1]
         return {f"y_{at}": np.interp(at, t, x[:, 0, 1]) for at in range(10, 61, 10)} | {"off_feng": off.max()}
+    if name == "ellipse":
+        rate = -np.gradient(angle[:, 0], t)
+        return {"half_turn": np.interp(np.pi, np.pi / 2 - angle[:, 0], t)} | {f"omega_{at}": np.interp(at, t, rate) for at in range(1, 10, 2)}
     return {"leading_y": np.interp(0.15, t, x[:, 0, 1]), "trailing_y": np.interp(0.15, t, x[:, 1, 1])}
 
 
@@ -199,5 +213,5 @@ if __name__ == "__main__":
     problem, level = asked(SCENES, 4)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        t, x, v, cells, begin = fall(SCENES[problem], level)
-    report(begin, 9 * cells, steps=len(t), **found(problem, t, x, v))
+        t, x, v, angle, cells, begin = fall(SCENES[problem], level)
+    report(begin, 9 * cells, steps=len(t), **found(problem, t, x, v, angle))
