@@ -1,4 +1,5 @@
 """Where a domain ends: plates that move along themselves, inlets, the sides of a period; and what is refused at the start."""
+import numpy as np
 import pytest
 
 from tools.run_folder import RunFolder
@@ -45,6 +46,25 @@ def test_published_scheme_starts_with_the_velocities_given(freefem, tmp_path):
     table = RunFolder(tmp_path / "run").table("particles")
     # the fluid takes its share at once: two thirds are left of -5, and gravity adds 0.3
     assert table["v"][table["id"] == 5][-1] == pytest.approx(-5 * 2 / 3 - 0.3, rel=0.25)
+
+
+def test_published_scheme_records_where_a_disk_is_at_the_time_of_the_row(freefem, tmp_path):
+    disks = particles(tmp_path, (5, 0.5, 2, 0.25, 2, 0, -5, 0))
+    freefem("cases/settling_disk.edp", "-particles", disks, "-scheme", "published", "-dt", "0.002", "-tend", "0.003", "-out", tmp_path / "run")
+    table = RunFolder(tmp_path / "run").table("particles")
+    one = table["id"] == 5
+    t, y = np.append(0, table["t"][one]), np.append(2, table["y"][one])
+    assert t[-1] == pytest.approx(0.003) and np.diff(y) == pytest.approx(np.diff(t) * table["v"][one], rel=1e-6)
+
+
+def test_published_scheme_counts_no_contacts_of_disks_that_have_left(freefem, coarse, tmp_path):
+    disks = particles(tmp_path, (5, 0.999, 0, 0.01, 5000, 6, 1, 0), (6, 0.999, 0.02001, 0.01, 5000, 6, -1, 0))
+    freefem("cases/pipe_obstacles.edp", "-mesh", coarse, "-number", "0", "-particles", disks, "-scheme", "published", "-dt", "0.007", "-convection", "0", "-every", "0", "-tend", "0.014",
+            "-out", tmp_path / "run")
+    fluid = RunFolder(tmp_path / "run").table("fluid")
+    gone = fluid["particles"] == 0
+    assert gone.sum() > 1 and not fluid["contacts"][gone].any()  # they press each other in the step that takes them out
+    assert len((tmp_path / "run/contacts.csv").read_text().splitlines()) == 1
 
 
 def test_published_scheme_carries_a_disk_over_the_seam(freefem, tmp_path):
@@ -98,3 +118,28 @@ def test_a_bad_file_of_particles_is_refused_with_its_line(freefem_refused, tmp_p
     file = tmp_path / "disks.csv"
     file.write_text("id,x,y,radius,density\n" + rows)
     assert complaint in freefem_refused(3, "cases/settling_disk.edp", "-particles", file)
+
+
+def test_forces_without_a_cylinder_are_refused(freefem_refused, tmp_path):
+    assert "label cylinder" in freefem_refused(3, "cases/poiseuille.edp", "-forces", "1", "-tend", "0.1", "-out", tmp_path / "run")
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("tend, steps, end", [("0.009", 1, 0.02), ("0.03", 2, 0.04), ("0.04", 2, 0.04)])
+def test_contacts_alone_reach_the_end(freefem, tmp_path, tend, steps, end):
+    done = freefem("cases/falling_particles.edp", "-number", "3", "-tend", tend, "-dt", "0.02", "-every", "0", "-out", tmp_path / "run")
+    table = RunFolder(tmp_path / "run").table("motion")
+    assert table["step"].tolist() == list(range(steps + 1)) and table["t"][-1] == pytest.approx(end)
+    assert f"complete at t = {end:g} s after {steps} step" in done.stdout
+
+
+def test_contacts_alone_of_no_disk_say_the_time_of_the_end(freefem_text, tmp_path):
+    scene = """include "lib/options.idp"
+optCase("empty", "no disk at all");
+real gravityX = 0, gravityY = -9.81;
+macro caseParticles() // EOM
+macro caseWalls() contactWallSegment(0., 0., 1., 0.); // EOM
+include "scripts/contacts.edp"
+"""
+    done = freefem_text(scene, "-tend", "0.5", "-dt", "0.01", "-out", tmp_path / "run")
+    assert "complete at t = 0.5 s after 50 steps" in done.stdout

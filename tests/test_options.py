@@ -13,9 +13,10 @@ real dt = optPositive("-dt", 0.1, "s", "time step");
 real share = optWithin("-share", 0.5, 0, 1, "", "a share");
 string scheme = optChoice("-scheme", "standard", "standard|published", "scheme");
 string file = optFile("-mesh", "a.mesh", "mesh file");
+int lift = optFlag("-lift", 1, "1: lift force");
 optEnd();
 cout.precision(17);
-cout << "values " << tEnd << " " << number << " " << dt << " " << share << " " << scheme << " " << file << endl;
+cout << "values " << tEnd << " " << number << " " << dt << " " << share << " " << scheme << " " << file << " " << lift << endl;
 """
 
 
@@ -25,9 +26,9 @@ def values(run):
 
 
 def test_defaults_keep_all_their_digits_and_the_case_overrides_the_driver(freefem_text):
-    tend, number, dt, share, scheme, file = values(freefem_text(SCRIPT))
+    tend, number, dt, share, scheme, file, lift = values(freefem_text(SCRIPT))
     assert float(tend) == 1 / 3
-    assert (number, float(dt), float(share), scheme, file) == ("5", 0.02, 0.5, "standard", "a.mesh")
+    assert (number, float(dt), float(share), scheme, file, lift) == ("5", 0.02, 0.5, "standard", "a.mesh", "1")
 
 
 @pytest.mark.parametrize(
@@ -39,6 +40,7 @@ def test_defaults_keep_all_their_digits_and_the_case_overrides_the_driver(freefe
         (["-number", "1e3"], 1, 1000),
         (["-v", "0", "-number", "7", "-nw"], 1, 7),
         (["-share", "1"], 3, 1),
+        (["-lift", "0"], 6, 0),
     ],
 )
 def test_numbers_are_read(freefem_text, words, place, expected):
@@ -67,6 +69,9 @@ def test_numbers_are_read(freefem_text, words, place, expected):
         (["-number", "1e12"], "whole number"),
         (["-dt", "0"], "above 0"),
         (["-share", "1.5"], "between 0 and 1"),
+        (["-lift", "2"], "must be 0 or 1, not 2"),
+        (["-lift", "0.5"], "must be 0 or 1"),
+        (["-lift", "yes"], "needs a number"),
         (["-scheme", "other"], "one of standard|published"),
         (["-scheme", ""], "one of standard|published"),
         (["-mesh", "a;b"], "signs other than"),
@@ -83,7 +88,7 @@ def test_nonsense_ends_with_status_3_and_one_line(freefem_text, words, says):
 
 def test_help_lists_every_option_with_its_default_and_unit(freefem_text):
     run = freefem_text(SCRIPT, "-help")
-    for part in ("trial: a script", "-tend 0.333333 s", "-number 5", "-dt 0.02 s", "end time", "standard|published"):
+    for part in ("trial: a script", "-tend 0.333333 s", "-number 5", "-dt 0.02 s", "end time", "standard|published", "lift force (0|1)"):
         assert part in run.stdout
     assert "values " not in run.stdout
 
@@ -99,3 +104,9 @@ outEnd(1, 1, "finished");
 ''', "-out", run_folder)
     run = json.loads((run_folder / "run.json").read_text())
     assert run["about"] == 'a "round" disk in C:\\flows\\' and run["units"]["-rho"] == '"kg"\\m3' and run["parameters"]["-rho"] == 1
+
+
+@pytest.mark.parametrize("case, flag", [("taylor_green", "-convection"), ("pipe_transport", "-lift"), ("cylinder_steady", "-fields"), ("pipe_flow", "-axisymmetric")])
+def test_a_flag_of_a_driver_is_0_or_1(freefem_refused, tmp_path, case, flag):
+    assert "must be 0 or 1, not 2" in freefem_refused(3, f"cases/{case}.edp", flag, "2", "-out", tmp_path / "run")
+    assert not (tmp_path / "run").exists()

@@ -1,6 +1,7 @@
 """A run that is killed, stopped or damaged goes on and gives the CSVs of an unbroken one."""
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -129,6 +130,19 @@ def test_drivers_without_resolved_particles_go_on_as_well(case, words, tables, s
     got, expected = numbers(tmp_path / "broken", sums), numbers(tmp_path / "whole", sums)
     for column in expected:
         np.testing.assert_array_equal(got[column], expected[column], err_msg=column)
+
+
+def test_another_interval_of_the_fields_counts_from_the_restart_on(tmp_path):
+    words = ["cases/poiseuille.edp", "-dt", "0.02", "-cfl", "0", "-checkpoint", "3"]
+    run_freefem(*words, "-tend", "0.06", "-fields", "1", "-out", tmp_path / "run")
+
+    def times(interval, tend):
+        run_freefem(*words, "-tend", tend, "-fields", interval, "-restart", tmp_path / "run")
+        return [float(word) for word in re.findall(r'timestep="(\S+)"', (tmp_path / "run/fields.pvd").read_text())]
+
+    assert times("0.04", "0.12") == [0, 0.08, 0.12]
+    assert times("0.1", "0.24") == [0, 0.08, 0.12, 0.2]
+    assert times("0.02", "0.28") == [0, 0.08, 0.12, 0.2, 0.26, 0.28]
 
 
 def test_contacts_alone_stop_at_maxwall_and_go_on(tmp_path):

@@ -285,6 +285,17 @@ cout << "FOUND " << int1d(Th, labelInlet)(-steadyU*N.x) << " " << steadyDensity 
     assert refused.returncode == 3 and "does not belong" in refused.stderr
 
 
+def test_a_flow_that_is_not_converged_is_not_kept(freefem, freefem_refused, run_folder, coarse_pipe):
+    words = ["-mesh", coarse_pipe, "-reynolds", 50, "-model", "laminar"]
+    run(freefem, run_folder, "pipe_flow", *words)
+    assert (run_folder / "steady_flow.txt").is_file()
+    refused = freefem_refused(4, "cases/pipe_flow.edp", *words, "-out", run_folder, "-overwrite", 1, "-steps", 1)
+    assert "the residual is" in refused and (run_folder / "fields.vtu").is_file()
+    assert not list(run_folder.glob("steady_flow.txt*"))
+    taken = freefem("cases/pipe_transport.edp", *words, "-flow", run_folder, "-number", 1, "-tend", 0.004, "-out", run_folder / "carried")
+    assert "computing the steady flow" in taken.stdout
+
+
 @pytest.mark.parametrize("args, says", [
     (["-model", "k-omega"], "must be one of"),
     (["-mesh", "nowhere.mesh"], "nowhere.mesh"),

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+from conftest import ROOT
 from tools import validate_transport
 from tools.validation import Context
 
@@ -82,6 +83,20 @@ def test_a_run_goes_on_from_a_checkpoint_bit_for_bit(freefem, coarse, tmp_path, 
     for name in ["steps.csv"] + (["coupling.csv"] if "two-way" in more else []):
         for one, other in zip(rows(whole / name), rows(broken / name), strict=True):
             assert {key: value for key, value in one.items() if "time" not in key} == {key: value for key, value in other.items() if "time" not in key}, name
+
+
+def test_who_enters_after_a_restart_draws_as_before_whatever_else_drew(freefem_text, coarse, tmp_path):
+    """Particles that are there at the start draw before the queue resets FreeFEM's generator."""
+    text = (ROOT / "tests/transport/queue.edp").read_text()
+    first = "real[int] x0 = [0.01], y0 = [0.05], r0 = [0.005], d0 = [2500.], z0 = [0.]; transportAppend(x0, y0, r0, d0, z0, z0, z0);"
+    text = text.replace("macro caseParticles() ", "macro caseParticles() " + first + " ")
+    words = ["-mesh", coarse, "-checkpoint", 5, "-out"]
+    freefem_text(text, "-tend", 0.04, *words, tmp_path / "whole")
+    freefem_text(text, "-tend", 0.02, *words, tmp_path / "broken")
+    freefem_text(text, "-tend", 0.04, *words[:-1], "-restart", tmp_path / "broken")
+    entries = [float(row["t"]) for row in rows(tmp_path / "whole/entries.csv")]
+    assert entries[0] == 0 and max(entries) > 0.02
+    assert (tmp_path / "whole/particles.csv").read_bytes() == (tmp_path / "broken/particles.csv").read_bytes()
 
 
 def test_a_restart_with_other_options_or_without_a_checkpoint_is_refused(freefem, coarse, tmp_path):
