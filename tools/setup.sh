@@ -91,6 +91,7 @@ make_environment() {
     local log
     "$python" -c "import sys; sys.exit(sys.version_info < (3, 10))" || fail "$python ($("$python" --version 2>&1 | head -n 1)) cannot be used: Python 3.10 or newer is needed (name it with PYTHON=python3.x)"
     echo "setup: installing the Python packages of tools/requirements.txt into .venv"
+    if [[ -L .venv ]]; then rm .venv; fi # somebody else's: clearing it would reach through the link
     log=$(mktemp)
     rm -f "$stamp"
     if ! "$python" -m venv --clear .venv >"$log" 2>&1; then
