@@ -10,11 +10,10 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from matplotlib.patches import Rectangle
 from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from tools.command import BadInput, Parser, guarded
-from tools.plotting import (LINE_MAP, PAGE_WIDTH, curve, draw_outline, draw_speed, frame, panels, particle_artists,
+from tools.plotting import (LINE_MAP, PAGE_WIDTH, clip_to, curve, draw_outline, draw_speed, frame, panels, particle_artists,
                             plt, save, speed_of, speed_top, time_text)
 from tools.run_folder import RunFolder
 
@@ -110,8 +109,7 @@ def plot_trajectories(run, path):
         colour = LINE_MAP(scale(diameter))
         for piece in broken(track, run.extent, run.period):
             line, = axes.plot(piece[:, 0], piece[:, 1], color=colour, linewidth=1.1, alpha=0.9, zorder=3, solid_capstyle="round")
-            if run.clip:
-                line.set_clip_path(Rectangle(run.clip[:2], *run.clip[2:], transform=axes.transData))
+            clip_to(axes, line, run.clip)
         if track["t"][-1] < last:
             continue
         colours.append(colour)

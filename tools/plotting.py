@@ -125,10 +125,15 @@ def particle_artists(axes, particles, zorder=5, clip=None):
                      np.column_stack([x + radius * np.cos(theta), y + radius * np.sin(theta)])], axis=1)
     marks = LineCollection(ends, color=BODY_EDGE, linewidth=0.8, zorder=zorder + 0.1)
     artists = [axes.add_collection(disks, autolim=False), axes.add_collection(marks, autolim=False)]
-    if clip:
-        for artist in artists:
-            artist.set_clip_path(Rectangle(clip[:2], *clip[2:], transform=axes.transData))
+    for artist in artists:
+        clip_to(axes, artist, clip)
     return artists
+
+
+def clip_to(axes, artist, clip):
+    """Nothing of the artist is drawn beyond clip, (x0, y0, width, height) or None."""
+    if clip:
+        artist.set_clip_path(Rectangle(clip[:2], *clip[2:], transform=axes.transData))
 
 
 def draw_speed(axes, mesh, speed, top):

@@ -10,6 +10,7 @@ is the label:
 A script is meshed with its own element sizes, or with --size where those are larger. Sides of a
 period need matching nodes (gmsh: Periodic Curve).
 """
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +18,8 @@ import numpy as np
 from tools.command import BadInput
 from tools.meshing.labels import LABELS
 from tools.meshing.options import positive
-from tools.meshing.plane_mesh import PlaneMesh, edges_of, oriented, renumbered, with_free_corners
-from tools.meshing.unstructured import with_gmsh
+from tools.meshing.plane_mesh import finished
+from tools.meshing.unstructured import extracted, with_gmsh
 
 KINDS = (".geo", ".msh")
 
@@ -48,24 +49,26 @@ def read(gmsh, source, size):
         gmsh.model.mesh.generate(2)
     elif size:
         raise BadInput(f"--size is for scripts; '{source}' is meshed already")
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    _, corners = gmsh.model.mesh.getElementsByType(2)
-    if len(corners) == 0:
+    points, triangles, number = extracted(gmsh)
+    if len(triangles) == 0:
         raise BadInput(f"'{source}' holds no triangles of three nodes")
-    row = np.empty(int(tags.max()) + 1, dtype=int)
-    row[tags.astype(int)] = np.arange(len(tags))
-    used, triangles = np.unique(row[corners.astype(int)], return_inverse=True)
-    coordinates = coordinates.reshape(-1, 3)[used]
-    if np.ptp(coordinates[:, 2]) > 1e-9 * np.ptp(coordinates[:, :2]):
-        raise BadInput(f"'{source}' is not plane: z reaches from {coordinates[:, 2].min():g} to {coordinates[:, 2].max():g}")
+    if np.ptp(points[:, 2]) > 1e-9 * np.ptp(points[:, :2]):
+        raise BadInput(f"'{source}' is not plane: z reaches from {points[:, 2].min():g} to {points[:, 2].max():g}")
+    points = points[:, :2]
+    if len(np.unique(points, axis=0)) < len(points):
+        raise BadInput(f"'{source}' has two nodes in one place: remove duplicates, or give matching sides one curve")
     labels = {}
     for dimension, group in gmsh.model.getPhysicalGroups(1):
         label = number_of(gmsh.model.getPhysicalName(dimension, group), group, source)
         for curve in gmsh.model.getEntitiesForPhysicalGroup(dimension, group):
             _, ends = gmsh.model.mesh.getElementsByType(1, curve)
-            for a, b in np.searchsorted(used, row[ends.astype(int)]).reshape(-1, 2):
-                labels[frozenset((int(a), int(b)))] = label
-    return labelled(coordinates[:, :2], triangles.reshape(-1, 3), labels, source)
+            labels |= dict.fromkeys(map(places, points[number[ends.astype(int)].reshape(-1, 2)]), label)
+    return finished(points, triangles, partial(named, labels=labels, source=source))
+
+
+def places(edge):
+    """What tells an edge (2, 2) from others, whatever its points' numbers and order."""
+    return frozenset(map(tuple, edge))
 
 
 def number_of(name, group, source):
@@ -77,20 +80,10 @@ def number_of(name, group, source):
     return group
 
 
-def labelled(points, triangles, labels, source):
-    """A PlaneMesh whose boundary edges carry labels, a dictionary of pairs of points."""
-    triangles = with_free_corners(points, oriented(points, triangles))
-    edges, count = edges_of(triangles)
-    edges = edges[count == 1]
-    found = np.array([labels.get(frozenset((int(a), int(b))), 0) for a, b in edges])
+def named(points, edges, labels, source):
+    """The labels of boundary edges, by their places."""
+    found = np.array([labels.get(places(edge), 0) for edge in points[edges]])
     if np.any(found == 0):
         a, b = points[edges[found == 0][0]]
         raise BadInput(f"{np.sum(found == 0)} boundary edges of '{source}' belong to no physical curve, the first from ({a[0]:g}, {a[1]:g}) to ({b[0]:g}, {b[1]:g}): name every side")
-    ends = points[edges]
-    points, triangles = renumbered(points, triangles)
-    place = {tuple(point): k for k, point in enumerate(points)}
-    if len(place) < len(points):
-        raise BadInput(f"'{source}' has two nodes in one place: remove duplicates, or give matching sides one curve")
-    edges = np.array([[place[tuple(point)] for point in pair] for pair in ends])
-    order = np.lexsort((edges[:, 0], found))
-    return PlaneMesh(points, triangles, edges[order], found[order])
+    return found

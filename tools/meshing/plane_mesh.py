@@ -18,14 +18,14 @@ class PlaneMesh:
     edge_labels: np.ndarray
 
 
-def finished(points, triangles, outline):
-    """A mesh made of points and triangles: oriented, corners freed, numbered, labelled."""
+def finished(points, triangles, labels_of):
+    """A mesh made of points and triangles: oriented, corners freed, numbered, labelled by labels_of(points, boundary edges)."""
     triangles = oriented(points, triangles)
     triangles = with_free_corners(points, triangles)
     points, triangles = renumbered(points, triangles)
     edges, count = edges_of(triangles)
     edges = edges[count == 1]
-    labels = labels_on(points, edges, outline)
+    labels = labels_of(points, edges)
     order = np.lexsort((edges[:, 0], labels))
     return PlaneMesh(points, triangles, edges[order], labels[order])
 

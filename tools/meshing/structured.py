@@ -1,8 +1,10 @@
 """Structured meshes of right triangles on grids whose spacing may vary."""
+from functools import partial
+
 import numpy as np
 
 from tools.command import BadInput
-from tools.meshing.plane_mesh import finished
+from tools.meshing.plane_mesh import finished, labels_on
 
 MOST_VERTICES = 2_000_000
 PATTERNS = ("right", "alternating")
@@ -31,7 +33,7 @@ def gridded(outline, xs, ys, pattern="right", keep=None):
     falls = np.zeros(len(a), dtype=bool) if pattern == "right" else (i + j) % 2 == 1
     triangles = np.where(np.repeat(falls, 2)[:, None], falling, rising)
     used, triangles = np.unique(triangles, return_inverse=True)
-    return finished(points[used], triangles.reshape(-1, 3), outline)
+    return finished(points[used], triangles.reshape(-1, 3), partial(labels_on, outline=outline))
 
 
 def even(start, end, size):

@@ -1,11 +1,12 @@
 """Unstructured meshes by gmsh, with element sizes that grow away from given lines."""
 from dataclasses import dataclass
+from functools import partial
 from math import ceil, dist
 
 import numpy as np
 
 from tools.command import BadInput
-from tools.meshing.plane_mesh import finished
+from tools.meshing.plane_mesh import finished, labels_on
 
 MOST_VERTICES = 2_000_000
 
@@ -35,7 +36,8 @@ def triangulated(outline, size, near=(), growth=0.2, uniform=(), single=()):
         surface = add_outline(gmsh, outline, size, uniform, single)
         set_sizes(gmsh, size, near, growth)
         gmsh.model.mesh.generate(2)
-        return finished(*extracted(gmsh, surface), outline)
+        points, triangles, _ = extracted(gmsh, surface)
+        return finished(points[:, :2], triangles, partial(labels_on, outline=outline))
 
     sizes = {"Mesh.MeshSizeExtendFromBoundary": 0, "Mesh.MeshSizeFromPoints": 0, "Mesh.MeshSizeFromCurvature": 0, "Mesh.Smoothing": 5}
     return with_gmsh(mesh, "gmsh cannot mesh this domain", sizes)
@@ -127,12 +129,12 @@ def set_sizes(gmsh, size, near, growth):
     field.setAsBackgroundMesh(least)
 
 
-def extracted(gmsh, surface):
-    """Points (n, 2) and triangles (m, 3) of a meshed surface, numbered from 0."""
+def extracted(gmsh, surface=-1):
+    """Points (n, 3) and triangles (m, 3) of a meshed surface (-1: of all), numbered from 0, and the number of each node's tag."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    coordinates = coordinates.reshape(-1, 3)[:, :2]
     _, corners = gmsh.model.mesh.getElementsByType(2, surface)
-    used, triangles = np.unique(corners, return_inverse=True)
-    row = np.empty(int(tags.max()) + 1, dtype=int)
+    used, triangles = np.unique(corners.astype(int), return_inverse=True)
+    row, number = (np.zeros(int(tags.max(initial=0)) + 1, dtype=int) for _ in range(2))
     row[tags.astype(int)] = np.arange(len(tags))
-    return coordinates[row[used.astype(int)]], triangles.reshape(-1, 3)
+    number[used] = np.arange(len(used))
+    return coordinates.reshape(-1, 3)[row[used]], triangles.reshape(-1, 3), number
