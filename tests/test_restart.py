@@ -184,6 +184,14 @@ def test_budgets_and_shapes_outlive_a_restart(tmp_path):
         assert (a / name).read_bytes() == (b / name).read_bytes(), name
 
 
+def test_ellipses_that_touch_go_on_after_a_restart_bit_for_bit(tmp_path):
+    words = ["cases/settling_ellipses.edp", "-number", "16", "-tend", "0.3", "-checkpoint", "60"]
+    whole, broken = broken_off(words, tmp_path, 120)
+    assert numbers(whole, "contacts.csv")["t"].min() < 0.24 and numbers(whole, "contacts.csv")["t"].max() > 0.25
+    for name in ("particles.csv", "contacts.csv"):
+        assert (broken / name).read_bytes() == (whole / name).read_bytes(), name
+
+
 def test_a_restart_beside_the_run_itself_is_refused_and_takes_nothing(mesh, tmp_path):
     run = start(tmp_path / "run", mesh, [*SCENE, "-tend", "20", *OFTEN])
     try:

@@ -1,0 +1,231 @@
+"""Contacts of ellipses: gaps and levers against points on the outlines, the projection against SciPy, rest on a floor."""
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+from tests.test_particles import rows
+from tools.run_folder import RunFolder
+
+# x, y, angle, semi-major axis, minor over major
+BODIES = [(0.0, 0.0, 0.4, 1.0, 0.4), (1.5, 0.9, -0.7, 0.8, 0.5), (-1.1, 1.3, 1.9, 0.9, 0.3), (0.6, -1.3, 0.0, 0.5, 1.0), (-1.6, -0.7, 2.6, 0.7, 0.15)]
+WALLS = [(-3.0, -2.0, 3.0, -2.0), (2.3, 0.2, 3.0, 2.0), (-0.1, 2.3, 0.2, 3.0)]
+MASS, MOMENT = [1.0, 2.0, 1.5, -1.0, 0.7], [0.3, 0.5, 0.35, 1.0, 0.1]
+SPEED = [(0.5, 0.2, 1.0), (-1.0, -0.8, -2.0), (1.0, -1.5, 0.5), (0.0, 0.3, 0.0), (1.0, 0.5, -3.0)]
+SCENE = """
+include "lib/contact_ellipse_project.idp"
+optCase("contacts", "ellipses");
+contactDeclare();
+optEnd();
+real[int] px = X, py = Y, turn = TURN, r = RADIUS, aspect = ASPECT, mass = MASS, moment = MOMENT, u = U, v = V, w = W;
+int[int] id = 0:px.n - 1;
+WALLS
+contactPeriodic(0, -5, PERIOD, 0);
+cout.precision(17);
+"""
+MEASURE = """
+contactUpdate(px, py, r, id, 10.);
+contactEllipseMeasure(px, py, turn, r, aspect);
+for (int k = 0; k < contactN; ++k) cout << "gap " << contactI[k] << " " << contactJ[k] << " " << contactEllipseGap[k] << " " << contactEllipseEx[k] << " " << contactEllipseEy[k] << " " << contactEllipseArmI[k] << " " << contactEllipseArmJ[k] << endl;
+"""
+PROJECT = """
+contactEllipseProject(px, py, turn, r, aspect, id, mass, moment, u, v, w, DT);
+for (int k = 0; k < px.n; ++k) cout << "speed " << u[k] << " " << v[k] << " " << w[k] << endl;
+for (int k = 0; k < contactN; ++k) cout << "press " << contactI[k] << " " << contactJ[k] << " " << contactImpulse[k] << endl;
+cout << "worst " << contactWorstGap << endl << "passes " << contactIterations << endl;
+"""
+
+
+def scene(bodies=BODIES, walls=WALLS, mass=MASS, moment=MOMENT, speed=SPEED, period=0.0, more=""):
+    """A FreeFEM script with these bodies."""
+    text = SCENE
+    for name, values in zip(("X", "Y", "TURN", "RADIUS", "ASPECT"), zip(*bodies)):
+        text = text.replace(f" = {name},", f" = {list(map(float, values))},")
+    for name, values in (("MASS", mass), ("MOMENT", moment), ("U", [s[0] for s in speed]), ("V", [s[1] for s in speed])):
+        text = text.replace(f" = {name},", f" = {list(map(float, values))},")
+    text = text.replace(" = W;", f" = {[float(s[2]) for s in speed]};").replace("PERIOD", str(period))
+    return text.replace("WALLS", "\n".join(f"contactWallSegment({a}, {b}, {c}, {d});" for a, b, c, d in walls)) + more
+
+
+def outline(x, y, turn, a, aspect, angles):
+    """Points on an ellipse."""
+    px, py = a * np.cos(angles), a * aspect * np.sin(angles)
+    return np.array([x + np.cos(turn) * px - np.sin(turn) * py, y + np.sin(turn) * px + np.cos(turn) * py])
+
+
+def apart(one, two):
+    """(distance, direction) of two outlines (functions of an angle or a place along a wall) that do not meet."""
+    def off(t):
+        return np.hypot(*(one(t[0]) - two(t[1])))
+    first, second = np.linspace(0, 2 * np.pi, 400), np.linspace(0, two.span, 400)
+    all_off = np.hypot(*(one(first)[:, :, None] - two(second)[:, None, :]))
+    i, j = np.unravel_index(all_off.argmin(), all_off.shape)
+    best = minimize(off, [first[i], second[j]], bounds=[(None, None), (0, 1) if two.span == 1 else (None, None)], method="L-BFGS-B",
+                    options={"ftol": 1e-16, "gtol": 1e-12})
+    away = one(best.x[0]) - two(best.x[1])
+    return np.hypot(*away), away / np.hypot(*away)
+
+
+def edge(body):
+    def points(angles):
+        return outline(*body, angles)
+    points.span = 2 * np.pi
+    return points
+
+
+def side(wall):
+    def points(along):
+        return np.array([wall[0] + along * (wall[2] - wall[0]), wall[1] + along * (wall[3] - wall[1])])
+    points.span = 1
+    return points
+
+
+def turned(body, angle):
+    return (*body[:2], body[2] + angle, *body[3:])
+
+
+def test_gaps_and_levers_are_those_of_the_outlines(freefem_text):
+    found = rows(freefem_text(scene(more=MEASURE)).stdout, "gap")
+    assert len(found) == 10 + 15
+    for i, j, gap, ex, ey, arm_i, arm_j in found:
+        one = BODIES[int(i)]
+        two = edge(BODIES[int(j)]) if j >= 0 else side(WALLS[int(-1 - j)])
+        distance, direction = apart(edge(one), two)
+        assert gap == pytest.approx(distance, abs=1e-7) and (ex, ey) == pytest.approx(tuple(direction), abs=1e-3)
+        step = 1e-3  # levers by central differences of the distance
+        change = [apart(edge(turned(one, s * step)), two)[0] for s in (1, -1)]
+        assert arm_i == pytest.approx((change[0] - change[1]) / (2 * step), abs=1e-4)
+        if j >= 0:
+            change = [apart(edge(one), edge(turned(BODIES[int(j)], s * step)))[0] for s in (1, -1)]
+            assert arm_j == pytest.approx((change[0] - change[1]) / (2 * step), abs=1e-4)
+        else:
+            assert arm_j == 0
+
+
+def test_slender_ellipses_at_all_angles_have_their_gap(freefem_text):
+    """Two of aspect 0.05 side by side, crossed and end to end: the least of all distances of points on the outlines."""
+    kinds = np.random.default_rng(3)
+    for _ in range(3):
+        bodies = []
+        for k in range(12):
+            bodies.append((2.3 * (k % 4), 2.3 * (k // 4), float(kinds.uniform(0, 2 * np.pi)), 1.0, float(kinds.choice([0.05, 0.2, 1.0]))))
+        number = len(bodies)
+        text = scene(bodies, [], [1.0] * number, [1.0] * number, [(0, 0, 0)] * number, more=MEASURE)
+        angles = np.linspace(0, 2 * np.pi, 3001)
+        for i, j, gap, *_ in rows(freefem_text(text).stdout, "gap"):
+            one, two = (outline(*bodies[int(k)], angles) for k in (i, j))
+            nearest = min(np.hypot(*(one - two[:, [k]])).min() for k in range(0, 3001, 3))
+            assert gap <= nearest + 1e-9 and gap == pytest.approx(nearest, abs=2e-3)
+
+
+def test_over_a_seam_the_nearest_image_counts(freefem_text):
+    bodies = [(0.3, 0.0, 0.4, 0.5, 0.4), (7.6, 0.2, 1.0, 0.6, 0.5)]
+    found = rows(freefem_text(scene(bodies, [], [1, 1], [1, 1], [(0, 0, 0)] * 2, 8.0, MEASURE.replace("10.", "0.5"))).stdout, "gap")
+    distance, direction = apart(edge((8.3, *bodies[0][1:])), edge(bodies[1]))
+    assert len(found) == 1 and found[0, 2] == pytest.approx(distance, abs=1e-8) and found[0, 3] == pytest.approx(direction[0], abs=1e-4)
+
+
+def nearest_motion(gaps, about, dt):
+    """SciPy's least weighted change of SPEED for which no gap, linearised about the velocities `about`, turns negative."""
+    free = [k for k, m in enumerate(MASS) if m > 0]
+    weight = np.array([(MASS[k], MASS[k], MOMENT[k]) for k in free]).ravel()
+    given = np.array(SPEED)[free].ravel()
+
+    def whole(x):
+        full = np.array(SPEED, float)
+        full[free] = np.reshape(x, (-1, 3))
+        return full
+
+    def room(x):
+        change = dt * (whole(x) - about)
+        return [gap + change[int(i)] @ [ex, ey, arm_i] + (change[int(j)] @ [-ex, -ey, arm_j] if j >= 0 else 0) for i, j, gap, ex, ey, arm_i, arm_j in gaps]
+    best = minimize(lambda x: 0.5 * (weight * (x - given)**2).sum(), given, jac=lambda x: weight * (x - given), constraints={"type": "ineq", "fun": room},
+                    method="SLSQP", options={"ftol": 1e-15, "maxiter": 1000})
+    assert best.success
+    return whole(best.x)
+
+
+@pytest.mark.parametrize("dt, pressing", [(0.25, 1), (0.35, 2), (0.5, 2)])
+def test_the_projection_is_the_nearest_motion_without_overlap(freefem_text, dt, pressing):
+    """Body 3 is held. The gaps are linearised at the start, and again at the end while that leaves an overlap."""
+    def measured(speed):
+        after = [(b[0] + dt * s[0], b[1] + dt * s[1], b[2] + dt * s[2], *b[3:]) for b, s in zip(BODIES, speed)]
+        return rows(freefem_text(scene(after, more=MEASURE)).stdout, "gap")
+    out = freefem_text(scene(more=MEASURE + PROJECT.replace("DT", str(dt)))).stdout
+    speed, press, used = rows(out, "speed"), rows(out, "press"), int(rows(out, "passes")[0, 0])
+    assert rows(out, "worst")[0, 0] >= -1.06e-9 and (press[:, 2] > 1e-6).sum() >= pressing and (speed[3] == SPEED[3]).all()
+    assert measured(speed)[:, 2].min() >= -1.06e-9
+    assert used <= 6
+    expected, gaps = np.zeros((5, 3)), rows(out, "gap")
+    for k in range(min(used, 4)): # what comes after pushes apart what is left
+        expected, gaps = nearest_motion(gaps, expected, dt), None
+        if k + 1 < used:
+            gaps = measured(expected)
+    assert speed == pytest.approx(expected, abs=2e-5 if used <= 4 else 0.02)
+
+
+def test_disks_are_projected_as_disks(freefem_text, tmp_path):
+    """All round: the motions of lib/contact_project.idp, and nobody turns."""
+    bodies = [(*b[:2], b[2], 0.5, 1.0) for b in BODIES]
+    both = scene(bodies, more=PROJECT.replace("DT", "0.9") + """
+real[int] u2 = U, v2 = V;
+contactNearLoad = 0.; contactListRange = -1;
+contactProject(px, py, r, id, mass, u2, v2, 0.9);
+for (int k = 0; k < px.n; ++k) cout << "disk " << u2[k] << " " << v2[k] << endl;
+""".replace("U,", f"{[s[0] for s in SPEED]},").replace("= V;", f"= {[s[1] for s in SPEED]};"))
+    out = freefem_text(both).stdout
+    speed, disk = rows(out, "speed"), rows(out, "disk")
+    assert (speed[:, 2] == [s[2] for s in SPEED]).all()
+    assert speed[:, :2] == pytest.approx(disk, abs=1e-7) and abs(disk - np.array(SPEED)[:, :2]).max() > 0.1
+
+
+FLOOR = """
+include "lib/options.idp"
+optCase("floor", "ellipses and a disk on a floor");
+optDefault("-mesh", "meshes/settling_disk.mesh");
+optDefault("-dt", "0.0025");
+real rhoFluid = 1, mu = 0.1, gravityX = 0, gravityY = -981;
+include "lib/labels.idp"
+int[int] flowNoSlip = [labelWall], flowMoving(0), flowOutlet(0), flowSlip(0);
+func real boundaryRamp(real t) { return 1; }
+real flowPeriodX = 0, flowPeriodY = 0, motionBound = 1e30;
+macro caseParticles() { PARTICLES } // EOM
+include "scripts/resolved.edp"
+"""
+
+
+def test_ellipses_in_a_fluid_come_to_lie_flat_and_never_overlap(freefem_text, tmp_path):
+    """One stands on its end on the floor at the start, one falls on it, a disk on both: outlines are followed from row to row."""
+    particles = "bodyEllipse(1., 0.45, 0.4, 0.2, 1.45, 1.5); bodyEllipse(0.6, 1.1, 0.4, 0.2, 0.3, 1.3); bodyDisk(1.5, 0.9, 0.2, 1.3);"
+    freefem_text(FLOOR.replace("PARTICLES", particles), "-tend", 0.8, "-every", 0.01, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    table = run.particles
+    minor = {0: 0.2, 1: 0.2, 2: 0.2}
+    angles = np.linspace(0, 2 * np.pi, 721)
+    nearest = np.inf
+    for t in np.unique(table["t"]):
+        now = np.flatnonzero(table["t"] == t)
+        outlines = [outline(table["x"][k], table["y"][k], table["theta"][k], table["radius"][k], minor[int(table["id"][k])] / table["radius"][k], angles) for k in now]
+        for k, points in enumerate(outlines):
+            assert points[0].min() > -1e-5 and points[0].max() < 2 + 1e-5 and points[1].min() > -1e-5
+            for other in now[k + 1:]:  # no point of one lies in another
+                c, s = np.cos(table["theta"][other]), np.sin(table["theta"][other])
+                x, y = points[0] - table["x"][other], points[1] - table["y"][other]
+                level = np.hypot((c * x + s * y) / table["radius"][other], (c * y - s * x) / minor[int(table["id"][other])])
+                assert level.min() > 1 - 1e-4
+                nearest = min(nearest, level.min())
+    assert nearest < 1.01  # they did touch
+    last = table["t"] == table["t"].max()
+    assert table["y"][last & (table["id"] == 0)] < 0.3 and abs(np.sin(table["theta"][last & (table["id"] == 0)])) < 0.3
+    assert run.table("contacts")["gap"].min() > -1e-7 and run.table("fluid")["worst_gap"].min() > -1e-8
+
+
+def test_ellipses_that_overlap_are_refused_with_a_list_or_pushed_apart(freefem_text, tmp_path):
+    standing = FLOOR.replace("PARTICLES", "bodyEllipse(1., 0.3, 0.4, 0.2, pi/2, 1.5); bodyEllipse(1., 0.8, 0.4, 0.2, 0, 1.5); bodyDisk(1.5, 3, 0.2, 1.3);")
+    done = freefem_text(standing, "-tend", 0.005, "-out", tmp_path / "no", check=False)
+    assert done.returncode == 5 and "2 overlaps at the start" in done.stderr and "disk 0 overlaps the wall from (" in done.stderr and "disks 0 and 1 overlap by 0.1 m" in done.stderr
+    freefem_text(standing, "-tend", 0.005, "-out", tmp_path / "yes", "-contact-initial", "push")
+    table = RunFolder(tmp_path / "yes").particles
+    first = table["t"] == table["t"].min()
+    assert table["y"][first][0] >= 0.399 and table["y"][first][1] - table["y"][first][0] >= 0.599
+    flat = FLOOR.replace("PARTICLES", "bodyEllipse(1., 0.21, 0.4, 0.2, 0, 1.5);")  # the disk round it would not fit
+    freefem_text(flat, "-tend", 0.005, "-out", tmp_path / "flat")
