@@ -229,3 +229,15 @@ def test_ellipses_that_overlap_are_refused_with_a_list_or_pushed_apart(freefem_t
     assert table["y"][first][0] >= 0.399 and table["y"][first][1] - table["y"][first][0] >= 0.599
     flat = FLOOR.replace("PARTICLES", "bodyEllipse(1., 0.21, 0.4, 0.2, 0, 1.5);")  # the disk round it would not fit
     freefem_text(flat, "-tend", 0.005, "-out", tmp_path / "flat")
+
+
+def test_contacts_alone_refuse_ellipses(freefem_text, tmp_path):
+    scene_alone = """include "lib/options.idp"
+optCase("alone", "an ellipse without a fluid");
+real gravityX = 0, gravityY = -1;
+macro caseWalls() // EOM
+macro caseParticles() bodyEllipse(0., 0., 0.2, 0.1, 0, 1.); // EOM
+include "scripts/contacts.edp"
+"""
+    done = freefem_text(scene_alone, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "ellipses belong into a fluid" in done.stderr and not (tmp_path / "run").exists()
