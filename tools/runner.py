@@ -6,6 +6,8 @@
 Each run uses one thread. FREEFEM in the environment names another FreeFem++. Errors:
 BadInput where FreeFEM or the script is not there; a run that fails is not an error.
 """
+import concurrent.futures
+import contextlib
 import os
 import re
 import shutil
@@ -128,6 +130,18 @@ def end_all():
         LIVE.discard(run)
         if run.process:
             end_group(run.process)
+
+
+@contextlib.contextmanager
+def side_by_side(workers):
+    """A pool of threads for runs. Whatever breaks in (an error, Ctrl-C) drops what waits and ends what runs; what has ended stays."""
+    with concurrent.futures.ThreadPoolExecutor(workers) as pool:
+        try:
+            yield pool
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            end_all()
+            raise
 
 
 def end_group(process):

@@ -33,7 +33,7 @@ from pathlib import Path
 from tools import quantities
 from tools.command import ROOT, BadInput, Parser, guarded
 from tools.run_folder import RunFolder
-from tools.runner import commit, cores, end_all, freefem, run_case, run_command
+from tools.runner import commit, cores, freefem, run_case, run_command, side_by_side
 from tools.study_report import extrapolated, name_of, report
 from tools.tables import write_table
 
@@ -185,28 +185,21 @@ def run_study(study, mesh_maker=make_mesh, say=print):
     pairs = sorted(itertools.product(study.meshsizes, study.dts), key=lambda pair: -(pair[0] or 1) ** 2 * (pair[1] or 1))
     workers = 1 if study.timing else max(1, study.jobs)
     begin, records, spent, weights = time.perf_counter(), [], 0.0, {p: (p[0] or 1) ** -2 / (p[1] or 1) for p in pairs}
-    with concurrent.futures.ThreadPoolExecutor(workers) as pool:
+    with side_by_side(workers) as pool:
         def mesh_of(size):
             try:
                 return None if size is None else Path(mesh_maker(study, size)).resolve()
             except BadInput as problem:
                 return problem
-        waiting = {}
-        try:
-            meshes = dict(zip(study.meshsizes, pool.map(mesh_of, study.meshsizes)))
-            waiting.update((pool.submit(one_run, study, size, dt, meshes[size]), (size, dt)) for size, dt in pairs)
-            for future in concurrent.futures.as_completed(waiting):
-                record = measure(study, future.result(), functions)
-                records.append(record)
-                spent += weights[waiting[future]]
-                write_study(study, records, references_of(study, records))
-                left = (time.perf_counter() - begin) * (sum(weights.values()) / spent - 1)
-                say(progress(record, len(records), len(pairs), left))
-        except BaseException:
-            for future in waiting:
-                future.cancel()
-            end_all()  # what has ended stays and is not run again
-            raise
+        meshes = dict(zip(study.meshsizes, pool.map(mesh_of, study.meshsizes)))
+        waiting = {pool.submit(one_run, study, size, dt, meshes[size]): (size, dt) for size, dt in pairs}
+        for future in concurrent.futures.as_completed(waiting):
+            record = measure(study, future.result(), functions)
+            records.append(record)
+            spent += weights[waiting[future]]
+            write_study(study, records, references_of(study, records))
+            left = (time.perf_counter() - begin) * (sum(weights.values()) / spent - 1)
+            say(progress(record, len(records), len(pairs), left))
     records.sort(key=lambda r: (-(r["meshsize"] or 0), -(r["dt"] or 0)))
     references = references_of(study, records)
     write_study(study, records, references)

@@ -16,7 +16,6 @@ standard deviation over the seeds:
 import json
 import os
 import sys
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +23,7 @@ import numpy as np
 from tools.command import ROOT, BadInput, Parser, guarded
 from tools.plotting import PAGE_WIDTH, CURVES, plt, save
 from tools.run_folder import RunFolder
-from tools.runner import end_all, run_case
+from tools.runner import run_case, side_by_side
 from tools.study import fingerprint
 from tools.tables import write_table
 
@@ -113,13 +112,8 @@ def compute(seeds, out, options, jobs):
             print(f"seed {seed}: {done.cpu_s:.1f} s of CPU", flush=True)
         return folder
     first = one(1)  # the steady flow is made once
-    with ThreadPoolExecutor(jobs) as pool:
-        try:
-            return [first, *pool.map(one, range(2, seeds + 1))]
-        except KeyboardInterrupt:
-            pool.shutdown(wait=False, cancel_futures=True)
-            end_all()
-            raise
+    with side_by_side(jobs) as pool:
+        return [first, *pool.map(one, range(2, seeds + 1))]
 
 
 def parser():

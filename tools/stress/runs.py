@@ -13,7 +13,7 @@ import numpy as np
 
 from tools.command import ROOT, BadInput
 from tools.run_folder import RunFolder
-from tools.runner import Done, commit, end_all, freefem, option_words, run_command
+from tools.runner import Done, commit, freefem, option_words, run_command, side_by_side
 from tools.stress.cells import Disks, Mesh
 from tools.stress.classes import GOOD, WORDS, judge
 from tools.tables import write_table
@@ -137,21 +137,15 @@ def run_map(one, out, quick=False, jobs=1, limit=60.0, say=print, progress=None)
     grid, extra = one.pairs(quick)
     pairs, records = extra + grid, {}
     progress = progress or Progress(len(pairs), say)
-    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+    with side_by_side(jobs) as pool:
         waiting = {pool.submit(run_cell, one, *pair, out, 4 * limit if pair in extra else limit): pair for pair in pairs}
-        try:
-            for future in concurrent.futures.as_completed(waiting):
-                pair = waiting[future]
-                records[pair] = future.result()
-                row = classed(one, pair, records[pair], records)
-                reference = one.build(*pair).reference
-                early = pair in extra or (isinstance(reference, tuple) and reference not in records)
-                progress.line(one, pair, row, ("ended" if row["class"] in GOOD else row["class"]) if early else WORDS[row["class"]])
-        except BaseException:
-            for future in waiting:
-                future.cancel()
-            end_all()  # what has ended stays and is not run again
-            raise
+        for future in concurrent.futures.as_completed(waiting):
+            pair = waiting[future]
+            records[pair] = future.result()
+            row = classed(one, pair, records[pair], records)
+            reference = one.build(*pair).reference
+            early = pair in extra or (isinstance(reference, tuple) and reference not in records)
+            progress.line(one, pair, row, ("ended" if row["class"] in GOOD else row["class"]) if early else WORDS[row["class"]])
     rows = {pair: classed(one, pair, records[pair], records) for pair in pairs}
     write_map(one, grid, rows, out)
     return grid, rows
