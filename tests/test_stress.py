@@ -120,6 +120,22 @@ def test_a_disk_that_jumps_over_a_wall_is_found(tmp_path):
     assert judge(WELL, Checks({}, 1.0, within={"x": (0, 0.2)}), folder)[0] == "overlap"
 
 
+@pytest.mark.parametrize("turn", [0.0, 0.7, 2.9])
+@pytest.mark.parametrize("depth", [-0.4, 0.02, 0.3])
+def test_overlaps_of_ellipses_of_known_depth(turn, depth):
+    """Two that lie on each other, over a seam; one on a wall. The disks round them overlap in every case."""
+    up, along = np.array([-np.sin(turn), np.cos(turn)]), np.array([np.cos(turn), np.sin(turn)])
+    other = np.array([1.5, 0.2]) + (0.8 - 0.3 * depth) * up + [8.0, 0]
+    table = {"t": np.zeros(2), "id": np.array([0, 1]), "radius": np.array([1, 0.6]), "theta": np.full(2, turn), "x": np.array([1.5, other[0]]), "y": np.array([0.2, other[1]])}
+    aspect = np.array([0.5, 0.5])
+    assert pair_overlap(table, (4.0, 0.0), aspect)[0] == pytest.approx(max(depth, 0), abs=1e-4)
+    assert pair_overlap(table, (4.0, 0.0))[0] > 0.5
+    foot = np.array([1.5, 0.2]) - 0.5 * (1 - depth) * up
+    wall = np.concatenate([foot - 0.7 * along, foot + 3 * along])[None]
+    one = {name: values[:1] for name, values in table.items()}
+    assert wall_overlap(one, wall, (0.0, 0.0), aspect[:1])[0] == pytest.approx(max(depth, 0), abs=1e-9)
+
+
 @settings(max_examples=60, deadline=None)
 @given(x=st.floats(-3, 3), y=st.floats(-3, 3), shift=st.integers(-3, 3), r=st.floats(0.05, 0.4), angle=st.floats(0, 6.28), depth=st.floats(-0.5, 0.5))
 def test_overlaps_of_known_depth(x, y, shift, r, angle, depth):

@@ -16,7 +16,7 @@ import numpy as np
 
 from tools.command import BadInput
 from tools.run_folder import RunFolder
-from tools.stress.overlap import crossing, pair_overlap, solid_segments, wall_overlap
+from tools.stress.overlap import aspects, crossing, pair_overlap, solid_segments, wall_overlap
 
 LETTERS = {"accurate": "A", "stable": "S", "stopped": "C", "late": "T", "overlap": "O", "blown up": "B",
            "not run": "N"}
@@ -118,8 +118,9 @@ def not_at_end(tables, end):
 def overlapping(run, table, checks):
     """(deepest overlap in radii, what is wrong in words)."""
     segments = solid_segments(run, checks.period)
-    pair, at, i, j = pair_overlap(table, checks.period)
-    wall, row = wall_overlap(table, segments, checks.period)
+    shapes = aspects(run, table)
+    pair, at, i, j = pair_overlap(table, checks.period, shapes)
+    wall, row = wall_overlap(table, segments, checks.period, shapes)
     depth = max(pair, wall)
     for name, (low, high) in checks.within.items():
         out = np.flatnonzero((table[name] < low) | (table[name] > high))

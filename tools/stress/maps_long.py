@@ -74,6 +74,7 @@ CASES = {
     "pipe_jet": ({}, 0.002, 0.3, {FLOW: 40}, last_quarter),
     "pipe_obstacles": ({"-first": 0.02}, 0.002, 0.2, {FLOW: 40, "particles.u": 10, "particles.v": 10}, last_quarter),
     "settling_disk": ({}, 0.00125, 0.1, {FLOW: 60, "particles.v": 60}, velocities),
+    "settling_ellipses": ({"-number": 16}, 0.002, 0.3, {FLOW: 60, "particles.v": 60, "particles.omega": 200}, velocities),
     "drafting_kissing_tumbling": ({}, 0.0005, 0.03, {FLOW: 60, "particles.v": 60}, velocities),
     "couette_disk": ({}, 0.02, 2.0, {FLOW: 1, "particles.u": 1}, velocities),
     "sheared_suspension": ({}, 0.02, 0.4, {FLOW: 1.5, "particles.u": 1}, velocities),

@@ -1,7 +1,8 @@
-"""Overlap of disks with each other and with walls, from particles.csv alone.
+"""Overlap of disks and ellipses with each other and with walls, from particles.csv and shapes.csv alone.
 
 Written apart from lib/: what a run says of its own gaps is not asked. Depths are in radii
-of the smaller disk; times in s.
+of the smaller disk, semi-minor axes of the slimmer ellipse; times in s. Of ellipses points on the outlines are
+looked for in other bodies; a body is brought to a unit circle, and what may lie in it with it.
 """
 from pathlib import Path
 
@@ -13,6 +14,34 @@ from tools.tables import read_table
 
 PAIRED = {0: (LABELS["left"], LABELS["right"]), 1: (LABELS["bottom"], LABELS["top"])}
 CHUNK = 2_000_000  # entries of an array at a time
+OUTLINE = np.linspace(0, 2 * np.pi, 361)[:-1]
+
+
+def aspects(run, table):
+    """Minor over major axis of each row, by shapes.csv; None if all are round."""
+    found = np.array([run.aspect(one) for one in table["id"]])
+    return found if len(found) and found.min() < 1 else None
+
+
+def to_circle(table, row, aspect, points):
+    """Points (..., 2) where the body of a row is the unit circle."""
+    c, s = np.cos(table["theta"][row]), np.sin(table["theta"][row])
+    x, y = points[..., 0] - table["x"][row], points[..., 1] - table["y"][row]
+    return np.stack([c * x + s * y, (c * y - s * x) / aspect[row]], axis=-1) / table["radius"][row]
+
+
+def outline(table, row, aspect):
+    """Points on the edge of the body of a row."""
+    c, s, r = np.cos(table["theta"][row]), np.sin(table["theta"][row]), table["radius"][row]
+    x, y = r * np.cos(OUTLINE), r * aspect[row] * np.sin(OUTLINE)
+    return np.stack([table["x"][row] + c * x - s * y, table["y"][row] + s * x + c * y], axis=-1)
+
+
+def ellipse_pair(table, i, j, aspect, shift):
+    """Depth in semi-minor axes of the slimmer of two bodies in each other; shift (2) brings the first to the image near the second."""
+    minor = table["radius"] * aspect
+    deep = [(1 - np.hypot(*np.moveaxis(to_circle(table, a, aspect, outline(table, b, aspect) + s), -1, 0)).min()) * minor[a] for a, b, s in ((i, j, -shift), (j, i, shift))]
+    return max(deep) / min(minor[i], minor[j])
 
 
 def solid_segments(run, period=(0.0, 0.0)):
@@ -39,8 +68,10 @@ def distance_to(points, segments):
     return np.sqrt(((offset - share[:, :, None] * along)**2).sum(2))
 
 
-def wall_overlap(table, segments, period=(0.0, 0.0)):
-    """(depth in radii, row) of the deepest overlap of a disk and a wall; (0, -1) if none."""
+def wall_overlap(table, segments, period=(0.0, 0.0), aspect=None):
+    """(depth in radii, row) of the deepest overlap of a disk and a wall; (0, -1) if none. aspect: those of the rows, for ellipses."""
+    if aspect is not None:
+        return ellipse_walls(table, segments, period, aspect)
     x, r = wrapped(table, segments, period), table["radius"]
     worst, where = 0.0, -1
     step = max(1, CHUNK // max(len(segments), 1))
@@ -49,6 +80,19 @@ def wall_overlap(table, segments, period=(0.0, 0.0)):
         best = int(np.argmax(depth))
         if depth[best] > worst:
             worst, where = float(depth[best]), k + best
+    return worst, where
+
+
+def ellipse_walls(table, segments, period, aspect):
+    """wall_overlap of ellipses."""
+    worst, where = 0.0, -1
+    x = wrapped(table, segments, period)
+    here = {**table, "x": x[:, 0], "y": x[:, 1]}
+    for k in range(len(x) if len(segments) else 0):
+        ends = to_circle(here, k, aspect, segments.reshape(-1, 2, 2)).reshape(-1, 4)
+        depth = 1 - distance_to(np.zeros((1, 2)), ends).min()
+        if depth > worst:
+            worst, where = float(depth), k
     return worst, where
 
 
@@ -62,8 +106,8 @@ def wrapped(table, segments, period):
     return x
 
 
-def pair_overlap(table, period=(0.0, 0.0)):
-    """(depth in radii, row, id, id) of the deepest overlap of two disks; (0, -1, -1, -1) if none."""
+def pair_overlap(table, period=(0.0, 0.0), aspect=None):
+    """(depth in radii, row, id, id) of the deepest overlap of two disks; (0, -1, -1, -1) if none. aspect: those of the rows, for ellipses."""
     found = (0.0, -1, -1, -1)
     order = np.argsort(table["t"], kind="stable")
     _, first = np.unique(table["t"][order], return_index=True)
@@ -77,6 +121,10 @@ def pair_overlap(table, period=(0.0, 0.0)):
             apart.append(d - period[axis] * np.round(d / period[axis]) if period[axis] > 0 else d)
         depth = (r[:, None] + r - np.hypot(*apart)) / np.minimum(r[:, None], r)
         np.fill_diagonal(depth, -np.inf)
+        if aspect is not None:
+            for i, j in zip(*np.nonzero(depth > 0)):
+                shift = np.array([d[i, j] for d in apart]) - [table[name][rows[i]] - table[name][rows[j]] for name in "xy"]
+                depth[i, j] = ellipse_pair(table, rows[i], rows[j], aspect, shift) if i < j else -np.inf
         i, j = np.unravel_index(np.argmax(depth), depth.shape)
         if depth[i, j] > found[0]:
             found = (float(depth[i, j]), int(rows[i]), int(table["id"][rows[i]]), int(table["id"][rows[j]]))
