@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from tests.test_boundaries import case
 from tests.test_particles import rows
 from tools.run_folder import RunFolder
 
@@ -178,39 +179,32 @@ for (int k = 0; k < px.n; ++k) cout << "disk " << u2[k] << " " << v2[k] << endl;
     assert speed[:, :2] == pytest.approx(disk, abs=1e-7) and abs(disk - np.array(SPEED)[:, :2]).max() > 0.1
 
 
-FLOOR = """
-include "lib/options.idp"
-optCase("floor", "ellipses and a disk on a floor");
-optDefault("-mesh", "meshes/settling_disk.mesh");
-optDefault("-dt", "0.0025");
-real rhoFluid = 1, mu = 0.1, gravityX = 0, gravityY = -981;
-include "lib/labels.idp"
-int[int] flowNoSlip = [labelWall], flowMoving(0), flowOutlet(0), flowSlip(0);
-func real boundaryRamp(real t) { return 1; }
-real flowPeriodX = 0, flowPeriodY = 0, motionBound = 1e30;
-macro caseParticles() { PARTICLES } // EOM
-include "scripts/resolved.edp"
-"""
+FLOOR = ("-mesh", "meshes/settling_disk.mesh", "-dt", 0.0025)
+
+
+def on_floor(particles):
+    """The text of a case in a closed box of 2 x 6 cm, its options FLOOR."""
+    return case(particles, walls="labelWall").replace("mu = 0.05", "mu = 0.1").replace("gravityY = -1", "gravityY = -981")
 
 
 def test_ellipses_in_a_fluid_come_to_lie_flat_and_never_overlap(freefem_text, tmp_path):
     """One stands on its end on the floor at the start, one falls on it, a disk on both: outlines are followed from row to row."""
     particles = "bodyEllipse(1., 0.45, 0.4, 0.2, 1.45, 1.5); bodyEllipse(0.6, 1.1, 0.4, 0.2, 0.3, 1.3); bodyDisk(1.5, 0.9, 0.2, 1.3);"
-    freefem_text(FLOOR.replace("PARTICLES", particles), "-tend", 0.8, "-every", 0.01, "-out", tmp_path / "run")
+    freefem_text(on_floor("{ " + particles + " }"), *FLOOR, "-tend", 0.8, "-every", 0.01, "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     table = run.particles
-    minor = {0: 0.2, 1: 0.2, 2: 0.2}
+    minor = 0.2  # of all three
     angles = np.linspace(0, 2 * np.pi, 721)
     nearest = np.inf
     for t in np.unique(table["t"]):
         now = np.flatnonzero(table["t"] == t)
-        outlines = [outline(table["x"][k], table["y"][k], table["theta"][k], table["radius"][k], minor[int(table["id"][k])] / table["radius"][k], angles) for k in now]
+        outlines = [outline(table["x"][k], table["y"][k], table["theta"][k], table["radius"][k], minor / table["radius"][k], angles) for k in now]
         for k, points in enumerate(outlines):
             assert points[0].min() > -1e-5 and points[0].max() < 2 + 1e-5 and points[1].min() > -1e-5
             for other in now[k + 1:]:  # no point of one lies in another
                 c, s = np.cos(table["theta"][other]), np.sin(table["theta"][other])
                 x, y = points[0] - table["x"][other], points[1] - table["y"][other]
-                level = np.hypot((c * x + s * y) / table["radius"][other], (c * y - s * x) / minor[int(table["id"][other])])
+                level = np.hypot((c * x + s * y) / table["radius"][other], (c * y - s * x) / minor)
                 assert level.min() > 1 - 1e-4
                 nearest = min(nearest, level.min())
     assert nearest < 1.01  # they did touch
@@ -220,15 +214,15 @@ def test_ellipses_in_a_fluid_come_to_lie_flat_and_never_overlap(freefem_text, tm
 
 
 def test_ellipses_that_overlap_are_refused_with_a_list_or_pushed_apart(freefem_text, tmp_path):
-    standing = FLOOR.replace("PARTICLES", "bodyEllipse(1., 0.3, 0.4, 0.2, pi/2, 1.5); bodyEllipse(1., 0.8, 0.4, 0.2, 0, 1.5); bodyDisk(1.5, 3, 0.2, 1.3);")
-    done = freefem_text(standing, "-tend", 0.005, "-out", tmp_path / "no", check=False)
+    standing = on_floor("{ bodyEllipse(1., 0.3, 0.4, 0.2, pi/2, 1.5); bodyEllipse(1., 0.8, 0.4, 0.2, 0, 1.5); bodyDisk(1.5, 3, 0.2, 1.3); }")
+    done = freefem_text(standing, *FLOOR, "-tend", 0.005, "-out", tmp_path / "no", check=False)
     assert done.returncode == 5 and "2 overlaps at the start" in done.stderr and "disk 0 overlaps the wall from (" in done.stderr and "disks 0 and 1 overlap by 0.1 m" in done.stderr
-    freefem_text(standing, "-tend", 0.005, "-out", tmp_path / "yes", "-contact-initial", "push")
+    freefem_text(standing, *FLOOR, "-tend", 0.005, "-out", tmp_path / "yes", "-contact-initial", "push")
     table = RunFolder(tmp_path / "yes").particles
     first = table["t"] == table["t"].min()
     assert table["y"][first][0] >= 0.399 and table["y"][first][1] - table["y"][first][0] >= 0.599
-    flat = FLOOR.replace("PARTICLES", "bodyEllipse(1., 0.21, 0.4, 0.2, 0, 1.5);")  # the disk round it would not fit
-    freefem_text(flat, "-tend", 0.005, "-out", tmp_path / "flat")
+    flat = on_floor("bodyEllipse(1., 0.21, 0.4, 0.2, 0, 1.5);")  # the disk round it would not fit
+    freefem_text(flat, *FLOOR, "-tend", 0.005, "-out", tmp_path / "flat")
 
 
 def test_contacts_alone_refuse_ellipses(freefem_text, tmp_path):
