@@ -5,6 +5,7 @@ import math
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -311,3 +312,12 @@ def test_bad_input_is_status_3(words, capsys):
     with pytest.raises((SystemExit, stress.BadInput)) as caught:
         stress.main(words)
     assert caught.type is stress.BadInput or caught.value.code == 3
+
+
+def test_cells_side_by_side_share_a_file_of_particles(tmp_path):
+    """Eight threads make each of fifty files; all find it whole."""
+    wanted = [Disks(np.array([[0, 0.1 * k, 0.2, 0.05, 1, 0, 0, 0]])) for k in range(50) for _ in range(8)]
+    with ThreadPoolExecutor(8) as pool:
+        paths = list(pool.map(lambda disks: disks.make(tmp_path), wanted))
+    assert len(set(paths)) == 50 and all(len(path.read_text().splitlines()) == 2 for path in paths)
+    assert len(list(tmp_path.iterdir())) == 50

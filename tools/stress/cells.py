@@ -84,10 +84,11 @@ class Disks:
         text = "id,x,y,radius,density,u,v,omega\n"
         text += "".join(",".join([f"{row[0]:.0f}", *(f"{value:.17g}" for value in row[1:])]) + "\n" for row in self.rows)
         path = Path(folder) / f"disks_{hashlib.sha256(text.encode()).hexdigest()[:12]}.csv"
-        if not path.is_file():
-            part = path.with_suffix(f".{os.getpid()}")
-            part.write_text(text)
-            os.replace(part, path)
+        with MAKING:  # cells that run side by side share it
+            if not path.is_file():
+                part = path.with_suffix(f".{os.getpid()}")
+                part.write_text(text)
+                os.replace(part, path)
         return path
 
 
