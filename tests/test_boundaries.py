@@ -48,6 +48,14 @@ def test_a_turning_cylinder_stops_a_disk(freefem_text, tmp_path):
     assert distance.min() < 0.4 + 0.12 + 0.002
 
 
+@pytest.mark.parametrize("place", ["0, 0", "0.05, 0.1"])
+def test_a_disk_in_the_hole_of_a_ring_is_refused(place, freefem_text, tmp_path):
+    mesh = tmp_path / "ring.mesh"
+    done = freefem_text(ring(mesh) + case(f"bodyDisk({place}, 0.12, 30);", walls="labelWall, labelCylinder"), "-mesh", mesh, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 5 and "particle 0 at (" in done.stderr and "lies outside the mesh" in done.stderr
+    assert not (tmp_path / "run").exists()
+
+
 @pytest.mark.parametrize("side, x, y, pull", [("Bottom", 0.5, 0.3, (0, -20)), ("Top", 0.5, 0.7, (0, 20)), ("Right", 0.7, 0.5, (20, 0)), ("Left", 0.3, 0.5, (-20, 0))])
 def test_a_disk_leaves_through_an_outlet_on_any_side(side, x, y, pull, freefem_text, tmp_path):
     walls = ", ".join(f"label{name}" for name in ("Left", "Right", "Bottom", "Top") if name != side)
@@ -59,19 +67,29 @@ def test_a_disk_leaves_through_an_outlet_on_any_side(side, x, y, pull, freefem_t
     assert 0.5 < outside < 0.5 + 0.12 + 0.1  # not much further than wholly beyond the side
 
 
-def test_a_waiting_particle_minds_the_disk_over_the_seam(freefem_text, tmp_path):
-    spaces = """macro boundaryU() 1. // EOM
+SEAM = """macro boundaryU() 1. // EOM
 macro flowSpaces() fespace Wh(Th, P2, periodic = [[labelBottom, x], [labelTop, x]]);
     fespace Qh(Th, P1, periodic = [[labelBottom, x], [labelTop, x]]); // EOM
 macro flowPeriodicLabels() [labelBottom, labelTop] // EOM
 macro caseStart() { Wh one = 1.; flowU = one[]; } // EOM"""
+
+
+def test_a_waiting_particle_minds_the_disk_over_the_seam(freefem_text, tmp_path):
     for height in (0.1, 1.1):
         text = case(f"bodyAdd(0.14, {height}, 0.12, 1, 0, 0, 0, 0); queueAdd(0.95, 0.12, 1, 0.); queueAdd(0.5, 0.12, 1, 0.);",
-                    walls="", moving="labelLeft", outlet="labelRight", more=spaces, period=1).replace("gravityY = -1", "gravityY = 0")
+                    walls="", moving="labelLeft", outlet="labelRight", more=SEAM, period=1).replace("gravityY = -1", "gravityY = 0")
         freefem_text(text, "-mesh", "meshes/cylinder_array.mesh", "-tend", 0.03, "-every", 0, "-out", tmp_path / f"run{height}")
         last = RunFolder(tmp_path / f"run{height}")
         # the held one and the one that has room; the other waits
         assert last.fluid["particles"][-1] == 2 and last.fluid["worst_gap"].min() > 0
+
+
+@pytest.mark.parametrize("height", [0.5, 0.03])
+def test_a_disk_that_enters_over_a_seam_takes_the_motion_of_the_fluid(height, freefem_text, tmp_path):
+    text = case(f"queueAdd({height}, 0.12, 1, 0.);", walls="", moving="labelLeft", outlet="labelRight", more=SEAM, period=1).replace("gravityY = -1", "gravityY = 0")
+    freefem_text(text, "-mesh", "meshes/cylinder_array.mesh", "-tend", 0.01, "-every", 0, "-out", tmp_path / "run")
+    disk = RunFolder(tmp_path / "run").particles
+    assert disk["u"][0] == pytest.approx(1, abs=1e-3) and disk["omega"][0] == pytest.approx(0, abs=1e-2)
 
 
 def test_an_inlet_elsewhere_is_refused(freefem_text, tmp_path):

@@ -103,6 +103,26 @@ for (int k = 0; k < x1.n; ++k) cout << "slopes " << g1[k] << " " << g2[k] << " "
 """
 
 
+def test_the_rows_near_bodies_give_what_the_whole_matrix_gives(freefem_text):
+    ask = """
+mu = 0.3;
+real[int] u = flowY .* flowY, v = flowX .* flowY, q = [0.3, -0.1, -0.2, 0.4, 0.7, 1.1], fu(flowNw), fv(flowNw), gu(flowNw), gv(flowNw);
+rowsShare = 0;
+fu = 1; fv = 2; ghostAdd(u, v, q, fu, fv);
+rowsShare = 1;
+for (int k = 0; k < 2; ++k) {
+    bodyX[0] += k*2*rigidSkin; rigidFind(); // the second time the nodes near bodies are others
+    rowsShare = 0; fu = 1; fv = 2; ghostAdd(u, v, q, fu, fv);
+    rowsShare = 1; gu = 1; gv = 2; ghostAdd(u, v, q, gu, gv);
+    real most = fu.linfty + fv.linfty;
+    gu -= fu; gv -= fv;
+    cout << "apart " << gu.linfty + gv.linfty << " " << most << " " << rigidRefreshed << endl;
+}
+"""
+    found = rows(freefem_text(script([(0.31, 0.42, 0.127), (0.66, 0.62, 0.16)], more=ask)).stdout, "apart")
+    assert (found[:, 0] < 1e-13).all() and (found[:, 1] > 3.1).all() and list(found[:, 2]) == [1, 2]
+
+
 def test_a_boundary_layer_is_met_to_higher_order(freefem_text):
     """nu s'' = kappa + v s' - s v' integrated by SciPy from the edge to both sides; the value at x = -0.4 h from those at h and
     2 h. A parabola errs by h^4, with the effect of convection by more than h^5.5."""

@@ -56,13 +56,15 @@ def test_rigid_sets_are_those_of_a_numpy_twin(freefem_text, periodic):
         assert expected[int(k)] == pytest.approx((d, rx, ry), abs=1e-12)
 
 
-def test_a_linear_pressure_goes_with_the_disks_that_moved(freefem_text):
+@pytest.mark.parametrize("way", ["rowsShare = 0", "rowsShare = 1; pressureFew = 0", "rowsShare = 1; pressureFew = 1"])
+def test_a_linear_pressure_goes_with_the_disks_that_moved(way, freefem_text):
     """p = 2 x - y: its gradient is exact, so the vertices round a disk change by -d.grad p, the others not."""
     disks, moved = [(0.3, 0.4, 0.127), (0.7, 0.65, 0.11)], [(0.01, -0.004), (-0.006, 0.003)]
     text = script(disks, more=f"""
 bodyMoved = [{moved[0][0]}, {moved[1][0]}, {moved[0][1]}, {moved[1][1]}, 0.3, -0.2];
 pressureSetUp(1);
 timeDt = 1e-6; // viscosity reaches less than an element
+{way};
 Qh px = x, py = y, p = 2*x - y;
 flowP = p[];
 pressureCarry();
