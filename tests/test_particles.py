@@ -82,6 +82,24 @@ include "lib/pressure.idp\"""")
     assert (change[(far * np.array([[0.127], [0.11]]) > np.array([[0.127], [0.11]]) + 1.5 / 16).all(axis=0)] == 0).all()
 
 
+def test_the_mass_near_light_disks_is_that_of_the_whole_matrix(freefem_text):
+    text = script([(0.3, 0.4, 0.127), (0.7, 0.65, 0.11)], more="""
+bodyDensity = 0.2;
+for (int k = 0; k < 2; ++k) {
+    rowsShare = k;
+    momentumInertia();
+    for (int d = 0; d < 2; ++d) cout << "net " << momentumMass[d] << " " << momentumMoment[d] << endl;
+}
+""").replace('include "lib/ghost.idp"', """int withGhost = 1;
+real stabilise = 0, momentumTolerance = 1e-5;
+include "lib/pressure.idp\"""")
+    net = rows(freefem_text(text).stdout, "net")
+    np.testing.assert_allclose(net[:2], net[2:], rtol=1e-13)
+    fluid = np.pi * np.array([0.127, 0.11])**2
+    # (s - (2 k - 1 + s) + 1.5) m_f = (2.5 - 2 k) m_f, k < 1 the share of the displaced fluid that the nodes carry
+    assert ((net[:2, 0] / fluid > 0.5) & (net[:2, 0] / fluid < 1.5)).all() and (net[:2, 1] > 0).all()
+
+
 def test_the_fall_hardly_depends_on_the_time_step(freefem, tmp_path):
     """Mean velocity over 0.3 to 0.4 s with steps of 0.2 and 0.4 elements; with the pressure left behind they differ by 1.1 %."""
     fall = []
