@@ -14,6 +14,7 @@ one = 1;
 u *= 3; u -= one; u += STRAIN*flowX;
 v *= 2; v -= STRAIN*flowY;
 fu = 0; fv = 0;
+ghostFind();
 ghostAdd(u, v, q, fu, fv);
 for (int k = rigidLayer; k < rigidCount; ++k) cout << "ghost " << rigidX[k] << " " << rigidY[k] << " " << ghostU[rigidNode[k]] << " " << ghostV[rigidNode[k]] << endl;
 real[int] ku = flowK*ghostU;
@@ -108,10 +109,10 @@ def test_the_rows_near_bodies_give_what_the_whole_matrix_gives(freefem_text):
 mu = 0.3;
 real[int] u = flowY .* flowY, v = flowX .* flowY, q = [0.3, -0.1, -0.2, 0.4, 0.7, 1.1], fu(flowNw), fv(flowNw), gu(flowNw), gv(flowNw);
 rowsShare = 0;
-fu = 1; fv = 2; ghostAdd(u, v, q, fu, fv);
+fu = 1; fv = 2; ghostFind(); ghostAdd(u, v, q, fu, fv);
 rowsShare = 1;
 for (int k = 0; k < 2; ++k) {
-    bodyX[0] += k*2*rigidSkin; rigidFind(); // the second time the nodes near bodies are others
+    bodyX[0] += k*2*rigidSkin; rigidFind(); ghostFind(); // the second time the nodes near bodies are others
     rowsShare = 0; fu = 1; fv = 2; ghostAdd(u, v, q, fu, fv);
     rowsShare = 1; gu = 1; gv = 2; ghostAdd(u, v, q, gu, gv);
     real most = fu.linfty + fv.linfty;
