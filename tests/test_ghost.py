@@ -14,9 +14,9 @@ one = 1;
 u *= 3; u -= one; u += STRAIN*flowX;
 v *= 2; v -= STRAIN*flowY;
 fu = 0; fv = 0;
-ghostFind();
+cutSetUp(); cutFind(); ghostFind();
 ghostAdd(u, v, q, fu, fv);
-for (int k = rigidLayer; k < rigidCount; ++k) cout << "ghost " << rigidX[k] << " " << rigidY[k] << " " << ghostU[rigidNode[k]] << " " << ghostV[rigidNode[k]] << endl;
+for [i, k : ghostAt] cout << "ghost " << rigidX[k] << " " << rigidY[k] << " " << ghostU[rigidNode[k]] << " " << ghostV[rigidNode[k]] << endl;
 real[int] ku = flowK*ghostU;
 ku *= mu;
 ku += fu;
@@ -109,10 +109,10 @@ def test_the_rows_near_bodies_give_what_the_whole_matrix_gives(freefem_text):
 mu = 0.3;
 real[int] u = flowY .* flowY, v = flowX .* flowY, q = [0.3, -0.1, -0.2, 0.4, 0.7, 1.1], fu(flowNw), fv(flowNw), gu(flowNw), gv(flowNw);
 rowsShare = 0;
-fu = 1; fv = 2; ghostFind(); ghostAdd(u, v, q, fu, fv);
+fu = 1; fv = 2; cutSetUp(); cutFind(); ghostFind(); ghostAdd(u, v, q, fu, fv);
 rowsShare = 1;
 for (int k = 0; k < 2; ++k) {
-    bodyX[0] += k*2*rigidSkin; rigidFind(); ghostFind(); // the second time the nodes near bodies are others
+    bodyX[0] += k*2*rigidSkin; rigidFind(); cutFind(); ghostFind(); // the second time the nodes near bodies are others
     rowsShare = 0; fu = 1; fv = 2; ghostAdd(u, v, q, fu, fv);
     rowsShare = 1; gu = 1; gv = 2; ghostAdd(u, v, q, gu, gv);
     real most = fu.linfty + fv.linfty;
@@ -122,6 +122,31 @@ for (int k = 0; k < 2; ++k) {
 """
     found = rows(freefem_text(script([(0.31, 0.42, 0.127), (0.66, 0.62, 0.16)], more=ask)).stdout, "apart")
     assert (found[:, 0] < 1e-13).all() and (found[:, 1] > 3.1).all() and list(found[:, 2]) == [1, 2]
+
+
+def test_the_nodes_left_out_are_no_force_on_anything(freefem_text):
+    """K g of any g at the rigid nodes that are not asked: 0 at the nodes outside and in each body's sums. The two disks share elements."""
+    ask = """
+bodyEllipse(0.27, 0.3, 0.2, 0.13, 0.6, 1.); rigidStale = 1; rigidFind();
+ghostFew = 0; cutSetUp(); cutFind(); ghostFind();
+real[int] g(flowNw), gu(rigidCount), none(ghostAt.n), k(flowNw), l(flowNw), q(3*bodyNumber);
+int[int] near = rigidNode(ghostAt);
+for (int i = 0; i < rigidCount; ++i) gu[i] = sin(1. + 7*i*i);
+g = 0; g(rigidNode) = gu; g(near) = (none = 0.);
+k = flowK*g; l = -1.3*k;
+rigidGather(k, l, q);
+real inside = k.linfty;
+k = k .* rigidMaskU;
+cout << "sums " << inside << " " << k.linfty << " " << q.linfty << endl << "nodes " << rigidCount << " " << ghostAt.n << endl;
+g(near) = (none = 1.); // and those that are asked are
+k = flowK*g; k = k .* rigidMaskU;
+cout << "sums " << k.linfty << " 0 0" << endl;
+"""
+    out = freefem_text(script([(0.66, 0.3, 0.14), (0.68, 0.62, 0.172)], more=ask)).stdout
+    (most, outside, sums), (asked, *_) = rows(out, "sums")
+    assert most > 1 and outside < 1e-14 * most and sums < 1e-14 * most and asked > 0.1, out
+    rigid, kept = rows(out, "nodes")[0]
+    assert 0.3 * rigid < kept < 0.9 * rigid
 
 
 def test_a_boundary_layer_is_met_to_higher_order(freefem_text):
