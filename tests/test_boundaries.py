@@ -99,21 +99,25 @@ def test_an_inlet_elsewhere_is_refused(freefem_text, tmp_path):
     freefem_text(text.replace("queueAdd", "queueX = 1; queueDirection = -1; queueAdd"), "-tend", 0.01, "-out", tmp_path / "run")
 
 
-def test_an_upright_plane_of_symmetry_is_refused(freefem_text, tmp_path):
-    done = freefem_text(case("bodyDisk(0.5, 0.5, 0.12, 2);", walls="labelLeft, labelBottom, labelTop", slip="labelRight"), "-tend", 0.01, "-out", tmp_path / "run", check=False)
-    assert done.returncode == 3 and "horizontal" in done.stderr and len(done.stderr.strip().splitlines()) == 1
+def test_a_plane_of_symmetry_that_is_no_plane_is_refused(freefem_text, tmp_path):
+    mesh = tmp_path / "ring.mesh"
+    text = ring(mesh) + case("bodyDisk(0, 0.7, 0.12, 2);", walls="labelWall", slip="labelCylinder")
+    done = freefem_text(text, "-mesh", mesh, "-tend", 0.01, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "label 6" in done.stderr and "horizontal or vertical" in done.stderr and len(done.stderr.strip().splitlines()) == 1
 
 
-@pytest.mark.parametrize("walls, slip", [("labelLeft, labelRight, labelBottom, labelTop", ""), ("labelLeft, labelRight", "labelBottom, labelTop")])
-def test_momentum_holds_with_planes_of_symmetry_and_with_a_disk_that_lands(walls, slip, freefem_text, tmp_path):
-    text = case("bodyDisk(0.5, 0.2, 0.12, 8.);", walls=walls, slip=slip).replace("gravityY = -1", "gravityY = -4")
+@pytest.mark.parametrize("walls, slip, along", [("labelLeft, labelRight, labelBottom, labelTop", "", "y"), ("labelLeft, labelRight", "labelBottom, labelTop", "y"),
+                                                ("labelBottom, labelTop", "labelLeft, labelRight", "x")])
+def test_momentum_holds_with_planes_of_symmetry_and_with_a_disk_that_lands(walls, slip, along, freefem_text, tmp_path):
+    place, pull = ("0.5, 0.2", "gravityX = 0, gravityY = -4") if along == "y" else ("0.2, 0.5", "gravityX = -4, gravityY = 0")
+    text = case(f"bodyDisk({place}, 0.12, 8.);", walls=walls, slip=slip).replace("gravityX = 0, gravityY = -1", pull)
     freefem_text(text, "-tend", 1.2, "-budget", 1, "-every", 0.05, "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     budget = run.table("budget")
     assert run.fluid["contacts"][-1] == 1
-    off = budget["momentum_y"] - budget["walls_y"] - budget["weight_y"]
+    off = budget[f"momentum_{along}"] - budget[f"walls_{along}"] - budget[f"weight_{along}"]
     weight = 4 * 7 * np.pi * 0.12**2 * 1.2
-    assert budget["weight_y"][-1] == pytest.approx(-weight, rel=1e-3)
+    assert budget[f"weight_{along}"][-1] == pytest.approx(-weight, rel=1e-3)
     assert np.abs(off).max() < 0.02 * weight
 
 

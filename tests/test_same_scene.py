@@ -1,0 +1,113 @@
+"""One scene in other units, far from the origin, turned, mirrored, or shifted along its period: the same motion."""
+import numpy as np
+import pytest
+
+from tests.conftest import ROOT, run_freefem
+from tools.mesh_files import read_mesh
+from tools.run_folder import RunFolder
+
+CHANNEL = """
+border below(s = 0, 4) {{ x = s; y = 0; label = 3; }}
+border out(s = 0, 2) {{ x = 4; y = s; label = 2; }}
+border above(s = 4, 0) {{ x = s; y = 2; label = 14; }}
+border into(s = 2, 0) {{ x = 0; y = s; label = 1; }}
+savemesh(buildmesh(below(36) + out(18) + above(36) + into(18)), "{file}");
+"""
+# A stream with disks and an ellipse that fall, touch the walls and leave; lengths, densities and times in units of the scene.
+SCENE = """
+include "lib/options.idp"
+optCase("same_scene", "a scene of tests/test_same_scene.py");
+optDefault("-dt", "0.04");
+optDefault("-tend", "1.6");
+optDefault("-every", "0.08");
+real unit = {unit:.17g}, rhoFluid = {density:.17g}, mu = 0.02*rhoFluid*unit^2, gravityX = {gravity[0]:.17g}, gravityY = {gravity[1]:.17g};
+include "lib/labels.idp"
+int[int] flowNoSlip = [{walls}], flowMoving = [labelInlet], flowOutlet = [labelOutlet], flowSlip{slip};
+func real up(real a, real b) {{ return (a - {origin[0]:.17g})/unit*{turn[0][1]:.17g} + (b - {origin[1]:.17g})/unit*{turn[1][1]:.17g}; }}
+macro boundaryU() ({stream[0]:.17g}*up(x, y)*(2 - up(x, y))) // EOM
+macro boundaryV() ({stream[1]:.17g}*up(x, y)*(2 - up(x, y))) // EOM
+func real boundaryRamp(real t) {{ return min(1., t/0.2); }}
+real flowPeriodX = 0, flowPeriodY = 0, motionBound = 1e30;
+macro caseParticles() {{
+{bodies}
+}} // EOM
+include "scripts/resolved.edp"
+"""
+# centre, semi-axes, angle, density over the fluid's
+BODIES = [(0.6, 1.5, 0.2, 0.2, 0, 1.2), (3.413, 0.7, 0.2, 0.2, 0, 0.9), (1.5, 1.03, 0.35, 0.2, 0.8, 1.5), (2.52, 1.5, 0.15, 0.15, 0, 3.0), (1.0, 0.41, 0.2, 0.2, 0, 5.0)]
+
+
+def turned(angle):
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
+def write_moved(mesh, moved, mirrored, file):
+    """The mesh with its points moved; triangles keep their sense."""
+    triangles = mesh.triangles[:, ::-1] if mirrored else mesh.triangles
+    with open(file, "w") as out:
+        out.write("MeshVersionFormatted 2\nDimension 2\nVertices\n%d\n" % len(moved))
+        out.writelines("%.17g %.17g 0\n" % tuple(point) for point in moved)
+        out.write("Edges\n%d\n" % len(mesh.edges))
+        out.writelines("%d %d %d\n" % (*(edge + 1), label) for edge, label in zip(mesh.edges, mesh.labels))
+        out.write("Triangles\n%d\n" % len(triangles))
+        out.writelines("%d %d %d 0\n" % tuple(triangle + 1) for triangle in triangles)
+        out.write("End\n")
+
+
+@pytest.fixture(scope="module")
+def channel(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("channel")
+    (folder / "mesh.edp").write_text(CHANNEL.format(file=folder / "channel.mesh"))
+    run_freefem(folder / "mesh.edp")
+    return read_mesh(folder / "channel.mesh")
+
+
+def motion(channel, folder, turn=np.eye(2), origin=(0.0, 0.0), unit=1.0, density=1.0, slip=False):
+    """Rows t, id, x, y, u, v, omega of the scene, in its own units and axes."""
+    turn, origin = np.asarray(turn, float), np.asarray(origin, float)
+    folder.mkdir()
+    mirrored = np.linalg.det(turn) < 0
+    write_moved(channel, channel.points @ turn.T * unit + origin, mirrored, folder / "moved.mesh")
+    bodies = []
+    for x, y, long, short, angle, ratio in BODIES:
+        centre, axis = turn @ (x, y) * unit + origin, turn @ (np.cos(angle), np.sin(angle))
+        sizes = f"{long * unit:.17g}, {short * unit:.17g}, {np.arctan2(axis[1], axis[0]):.17g}" if long > short else f"{long * unit:.17g}"
+        bodies.append(f"    {'bodyEllipse' if long > short else 'bodyDisk'}({centre[0]:.17g}, {centre[1]:.17g}, {sizes}, {ratio * density:.17g});")
+    (folder / "scene.edp").write_text(SCENE.format(
+        unit=unit, density=density, gravity=turn @ (0, -1) * unit, stream=turn @ (2, 0) * unit, origin=origin, turn=turn, bodies="\n".join(bodies),
+        walls="labelWall" if slip else "labelWall, labelTop", slip=" = [labelTop]" if slip else "(0)"))
+    run_freefem(folder / "scene.edp", "-mesh", folder / "moved.mesh", "-out", folder / "run")
+    rows = RunFolder(folder / "run").particles
+    places = (np.column_stack([rows["x"], rows["y"]]) - origin) / unit @ turn
+    speeds = np.column_stack([rows["u"], rows["v"]]) / unit @ turn
+    return np.column_stack([rows["t"], rows["id"], places, speeds, rows["omega"] * (-1 if mirrored else 1)])
+
+
+@pytest.fixture(scope="module")
+def as_it_is(channel, tmp_path_factory):
+    """A function (slip): the motion in the scene's own units and axes, computed once."""
+    folder, known = tmp_path_factory.mktemp("scene"), {}
+
+    def base(slip):
+        if slip not in known:
+            known[slip] = motion(channel, folder / f"slip_{slip}", slip=slip)
+        return known[slip]
+
+    return base
+
+
+# far away the places have fewer digits; the solvers' tolerances do not matter, as the nodes keep their order
+MOVES = {"centimetres and grams": (dict(unit=100.0, density=1e-3), 1e-9), "far away": (dict(origin=(1000.0, -500.0)), 1e-6), "a quarter turn": (dict(turn=[[0, -1], [1, 0]]), 1e-9),
+         "a small turn": (dict(turn=turned(0.5)), 1e-9), "mirrored": (dict(turn=[[-1, 0], [0, 1]]), 1e-9), "upside down": (dict(turn=[[1, 0], [0, -1]]), 1e-9),
+         "a plane of symmetry, a quarter turn": (dict(turn=[[0, -1], [1, 0]], slip=True), 1e-9)}
+
+
+@pytest.mark.parametrize("move", MOVES)
+def test_the_motion_does_not_hang_on_units_place_and_axes(move, as_it_is, channel, tmp_path):
+    how, tolerance = MOVES[move]
+    base = as_it_is(how.get("slip", False))
+    rows = motion(channel, tmp_path / "moved", **how)
+    assert rows.shape == base.shape  # who leaves does so at the same step
+    assert np.abs(rows - base).max() < tolerance
+    last = set(base[base[:, 0] == base[:, 0].max(), 1])
+    assert 1 not in last and {0, 2, 4} <= last
