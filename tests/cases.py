@@ -29,6 +29,7 @@ CASES = {
     "couette_disk": ["-tend", "0.1"],
     "sheared_suspension": ["-tend", "0.1"],
     "rotating_cylinder": ["-tend", "0.01"],
+    "oscillating_cylinder": ["-tend", "0.1"],
     "ellipse_in_shear": ["-tend", "0.1"],
     "segre_silberberg": ["-tend", "2"],
 }

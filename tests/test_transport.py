@@ -20,8 +20,9 @@ def test_paths(name, tmp_path):
 
 def test_flow_at_points_is_exact_for_a_quadratic(freefem):
     text = freefem("tests/transport/carrier.edp").stdout
-    number = {name: float(value) for name, value in re.findall(r"^(time|worst|outside) (\S+)", text, re.M)}
+    number = {name: float(value) for name, value in re.findall(r"^(time|worst|outside|edges|lost) (\S+)", text, re.M)}
     assert number["worst"] < 1e-10 and number["outside"] == 0
+    assert number["edges"] > 1000 and number["lost"] == 0
     assert "flags 01010" in text
     values = [float(word) for word in re.search(r"^rim (.*)", text, re.M)[1].split()]
     assert values[0] == pytest.approx(values[1], abs=0.02) and values[2] == pytest.approx(values[3], abs=0.02)

@@ -1,0 +1,68 @@
+"""Held bodies that are moved as a case says: the force on them, and that their motion can go on for long."""
+import numpy as np
+import pytest
+from scipy.special import iv, ivp, kv, kvp
+
+from tools.run_folder import RunFolder
+
+CASE = """
+include "lib/options.idp"
+optCase("given", "a scene of tests/test_given_motion.py");
+real rhoFluid = 1, mu = {mu}, gravityX = 0, gravityY = 0;
+include "lib/labels.idp"
+int[int] flowNoSlip = [{walls}], flowMoving(0), flowOutlet(0), flowSlip(0);
+real flowPeriodX = 0, flowPeriodY = 0, motionBound = 1e30;
+func real boundaryRamp(real t) {{ return 1; }}
+macro caseParticles() {bodies} // EOM
+macro caseMotion(now) {motion} // EOM
+include "scripts/resolved.edp"
+"""
+SIDES = "labelLeft, labelRight, labelBottom, labelTop"
+
+
+def force(r, far, rho, mu, rate):
+    """Force on a cylinder of radius r with the velocity exp(i rate t) in a concentric container of radius far, over that
+    velocity: Stokes flow with inertia, stream function (a/x + b x + c I1(k x) + d K1(k x)) sin(angle), k^2 = i rate rho/mu
+    (after G. G. Stokes, 1851, and Chen, Wambsganss & Jendrzejczyk, J. Appl. Mech. 43 (1976) 325)."""
+    k = np.sqrt(1j * rate * rho / mu)
+    parts = lambda x: np.array([1 / x, x, iv(1, k * x), kv(1, k * x)])
+    slopes = lambda x: np.array([-1 / x**2, 1, k * ivp(1, k * x), k * kvp(1, k * x)])
+    a = np.linalg.solve([parts(r) / r, slopes(r), parts(far), slopes(far)], [1, 1, 0, 0])
+    bends = (1 / r**2 + k**2) * parts(r) - slopes(r) / r
+    bends[:2] = 2 / r**3, 0
+    return np.pi * r * (1j * rate * rho * (a[1] * r - a[0] / r) + mu * (a @ bends))
+
+
+def test_the_force_on_an_oscillating_cylinder(freefem_text, tmp_path):
+    """In a container, amplitude a twentieth of the diameter, ten elements across: against the exact force, added mass and damping."""
+    mesh, steps, speed = tmp_path / "round.mesh", 60, 0.02 * 2 * np.pi
+    text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(160)), "{mesh}");\n'
+    text += CASE.format(mu=0.02, walls="labelWall", bodies="bodyAdd(0.003, 0.007, 0.2, 1, 0, 0, 0, 0);", motion=f"givenMotion(0, {speed}*cos(2*pi*(now)), 0, 0);")
+    freefem_text(text, "-mesh", mesh, "-convection", 0, "-forces", 1, "-every", 0, "-dt", 1 / steps, "-cfl", 0, "-tend", 3, "-out", tmp_path / "run")
+    rows = RunFolder(tmp_path / "run").table("forces")
+    last = rows["t"] > 2 + 0.5 / steps
+    assert last.sum() == steps
+    found = 2 * np.mean(rows["fx"][last] * np.exp(-2j * np.pi * rows["t"][last])) / speed
+    exact = force(0.2, 1, 1, 0.02, 2 * np.pi)
+    assert abs(found / exact - 1) < 0.03  # 1.0 % of it the elements', 1.0 % the steps', of second order
+    assert np.abs(rows["fy"][last]).max() < 0.01 * abs(exact) * speed
+
+
+def test_a_large_cylinder_can_be_moved_for_long(freefem_text, tmp_path):
+    """Ten elements across, half an element a step, for twelve periods: each is like the one before."""
+    period, amplitude, steps = 1.0, 0.1, 40
+    speed = 2 * np.pi * amplitude / period
+    text = CASE.format(mu=0.01, walls=SIDES, bodies="bodyAdd(0.4, 0.5, 0.16, 1, 0, 0, 0, 0);", motion=f"givenMotion(0, {speed}*sin(2*pi*(now)), 0, 0);")
+    freefem_text(text, "-mesh", "meshes/couette_disk.mesh", "-dt", period / steps, "-cfl", 0, "-every", 0, "-tend", 12 * period, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    for name in ("kinetic_energy", "divergence", "top_speed"):
+        values = run.fluid[name][-2 * steps:]
+        assert np.abs(values[steps:] - values[:steps]).max() < 0.01 * values.max(), name
+    x = run.particles["x"]
+    assert x.min() > 0.4 - 0.02 * amplitude and x.max() == pytest.approx(0.4 + 2 * amplitude, abs=0.02 * amplitude)  # the first step, of Euler, is off by 0.012
+
+
+def test_a_body_that_moves_freely_cannot_be_given_a_motion(freefem_text, tmp_path):
+    text = CASE.format(mu=0.01, walls=SIDES, bodies="bodyDisk(0.5, 0.5, 0.16, 1);", motion="givenMotion(0, 1, 0, 0);")
+    done = freefem_text(text, "-mesh", "meshes/couette_disk.mesh", "-tend", 0.1, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "particle 0 moves freely" in done.stderr and len(done.stderr.strip().splitlines()) == 1
