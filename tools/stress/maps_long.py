@@ -81,6 +81,7 @@ CASES = {
     "segre_silberberg": ({}, 0.4, 40.0, {FLOW: 1, "particles.u": 1}, velocities),
     "ellipse_in_shear": ({}, 0.01, 1.0, {FLOW: 2, "particles.omega": 5}, turning),
     "rotating_cylinder": ({}, 0.001, 0.1, {FLOW: 1}, last_quarter),
+    "oscillating_cylinder": ({}, 0.025, 2.5, {FLOW: 2}, last_quarter),
     "cylinder_array": ({}, 0.001, 0.1, {FLOW: 1}, last_quarter),
     "cylinder_between_plates": ({}, 0.0025, 0.1, {FLOW: 5}, last_quarter),
     "pipe_transport": ({"-model": "laminar", "-reynolds": 50}, 0.002, 0.2, {"particles.u": 6, "particles.v": 6}, velocities),
@@ -120,7 +121,18 @@ def viscous(reach, scene):
     return cell
 
 
+def moved(reach, across):
+    """A cylinder so many elements across, moved to and fro for eight periods by at most so many elements a step."""
+    steps = 320
+    end = steps * reach / across
+    options = {"-mesh": Mesh(("oscillating_cylinder", "--size", 1 / across)), "-dt": reach / across, "-tend": end, "-kc": end / 8, "-every": 0}
+    return Cell("cases/oscillating_cylinder.edp", options, Checks({"fluid.top_speed": 3}, end), drift, "own", 0.1)
+
+
 MAPS = [
+    Map("moved_body", "A held body moved for long", Axis("largest move a step (elements)", "", [0.1, 0.3, 1], [0.3]),
+        Axis("elements across", "", [4, 8, 12, 20], [8, 12]), moved, "energy over two periods within 10 % of that over the two before",
+        {"stable": "more periods", "stopped": "a smaller -dt", "blown up": "a smaller -dt", "late": "a smaller -dt"}, (0.3, 12)),
     Map("viscous_step", "Slow flow: reach of viscosity in a step", Axis("nu dt/h^2", "", [1, 5, 20, 60], [20]),
         Axis("scene", "", [*ALONE, "10 %", "20 %", "30 %"], ["one disk", "30 %"]), viscous,
         "one disk: angular velocity within 1 % of that with nu dt = h^2; many: bounded, nothing overlaps (no reference)",

@@ -47,7 +47,8 @@ def oscillating_cylinder(context):
     axes.plot(phase, terms(phase * KC) @ PUBLISHED, "k:", linewidth=1, label="Morison's equation, Duetsch et al. 1998")
     axes.set_xlabel("time over the period")
     axes.set_ylabel("force over rho U^2 D")
-    axes.legend(loc="best")
+    axes.set_ylim(-2, 3.8)
+    axes.legend(loc="upper left")
     path = save(figure, context.figure_path("oscillating_cylinder"))
     for row in rows:
         row.figure = path
