@@ -10,7 +10,7 @@ from tools.validation import Failed
 from tools.validation.particles import axes_of
 
 CASE, KC = "cases/oscillating_cylinder.edp", 5.0
-PUBLISHED, FITTED = (2.09, 1.45), (2.046, 1.464)
+PUBLISHED, FITTED = (2.09, 1.45), (2.047, 1.46)
 
 
 def terms(t):
