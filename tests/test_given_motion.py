@@ -3,21 +3,13 @@ import numpy as np
 import pytest
 from scipy.special import iv, ivp, kv, kvp
 
+from tests.test_boundaries import case
 from tools.run_folder import RunFolder
 
-CASE = """
-include "lib/options.idp"
-optCase("given", "a scene of tests/test_given_motion.py");
-real rhoFluid = 1, mu = {mu}, gravityX = 0, gravityY = 0;
-include "lib/labels.idp"
-int[int] flowNoSlip = [{walls}], flowMoving(0), flowOutlet(0), flowSlip(0);
-real flowPeriodX = 0, flowPeriodY = 0, motionBound = 1e30;
-func real boundaryRamp(real t) {{ return 1; }}
-macro caseParticles() {bodies} // EOM
-macro caseMotion(now) {motion} // EOM
-include "scripts/resolved.edp"
-"""
-SIDES = "labelLeft, labelRight, labelBottom, labelTop"
+def scene(bodies, motion, mu=0.01, **sides):
+    """The text of a case without gravity; sides: labels, the four of the unit square by default."""
+    text = case(bodies, more=f"macro caseMotion(now) {motion} // EOM", **sides)
+    return text.replace("mu = 0.05", f"mu = {mu}").replace("gravityY = -1", "gravityY = 0")
 
 
 def force(r, far, rho, mu, rate):
@@ -37,7 +29,7 @@ def test_the_force_on_an_oscillating_cylinder(freefem_text, tmp_path):
     """In a container, amplitude a twentieth of the diameter, ten elements across: against the exact force, added mass and damping."""
     mesh, steps, speed = tmp_path / "round.mesh", 60, 0.02 * 2 * np.pi
     text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(160)), "{mesh}");\n'
-    text += CASE.format(mu=0.02, walls="labelWall", bodies="bodyAdd(0.003, 0.007, 0.2, 1, 0, 0, 0, 0);", motion=f"givenMotion(0, {speed}*cos(2*pi*(now)), 0, 0);")
+    text += scene("bodyAdd(0.003, 0.007, 0.2, 1, 0, 0, 0, 0);", f"givenMotion(0, {speed}*cos(2*pi*(now)), 0, 0);", mu=0.02, walls="labelWall")
     freefem_text(text, "-mesh", mesh, "-convection", 0, "-forces", 1, "-every", 0, "-dt", 1 / steps, "-cfl", 0, "-tend", 3, "-out", tmp_path / "run")
     rows = RunFolder(tmp_path / "run").table("forces")
     last = rows["t"] > 2 + 0.5 / steps
@@ -52,8 +44,8 @@ def test_a_large_cylinder_can_be_moved_for_long(freefem_text, tmp_path):
     """Ten elements across, half an element a step, for twelve periods: each is like the one before."""
     period, amplitude, steps = 1.0, 0.1, 40
     speed = 2 * np.pi * amplitude / period
-    text = CASE.format(mu=0.01, walls=SIDES, bodies="bodyAdd(0.4, 0.5, 0.16, 1, 0, 0, 0, 0);", motion=f"givenMotion(0, {speed}*sin(2*pi*(now)), 0, 0);")
-    freefem_text(text, "-mesh", "meshes/couette_disk.mesh", "-dt", period / steps, "-cfl", 0, "-every", 0, "-tend", 12 * period, "-out", tmp_path / "run")
+    text = scene("bodyAdd(0.4, 0.5, 0.16, 1, 0, 0, 0, 0);", f"givenMotion(0, {speed}*sin(2*pi*(now)), 0, 0);")
+    freefem_text(text, "-dt", period / steps, "-cfl", 0, "-every", 0, "-tend", 12 * period, "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     for name in ("kinetic_energy", "divergence", "top_speed"):
         values = run.fluid[name][-2 * steps:]
@@ -63,6 +55,6 @@ def test_a_large_cylinder_can_be_moved_for_long(freefem_text, tmp_path):
 
 
 def test_a_body_that_moves_freely_cannot_be_given_a_motion(freefem_text, tmp_path):
-    text = CASE.format(mu=0.01, walls=SIDES, bodies="bodyDisk(0.5, 0.5, 0.16, 1);", motion="givenMotion(0, 1, 0, 0);")
-    done = freefem_text(text, "-mesh", "meshes/couette_disk.mesh", "-tend", 0.1, "-out", tmp_path / "run", check=False)
+    text = scene("bodyDisk(0.5, 0.5, 0.16, 1);", "givenMotion(0, 1, 0, 0);")
+    done = freefem_text(text, "-tend", 0.1, "-out", tmp_path / "run", check=False)
     assert done.returncode == 3 and "particle 0 moves freely" in done.stderr and len(done.stderr.strip().splitlines()) == 1

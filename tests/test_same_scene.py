@@ -1,9 +1,11 @@
-"""One scene in other units, far from the origin, turned, mirrored, or shifted along its period: the same motion."""
+"""One scene in other units, far from the origin, turned or mirrored: the same motion."""
 import numpy as np
 import pytest
 
-from tests.conftest import ROOT, run_freefem
+from tests.conftest import run_freefem
 from tools.mesh_files import read_mesh
+from tools.meshing.medit import write
+from tools.meshing.plane_mesh import PlaneMesh
 from tools.run_folder import RunFolder
 
 CHANNEL = """
@@ -41,19 +43,6 @@ def turned(angle):
     return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
-def write_moved(mesh, moved, mirrored, file):
-    """The mesh with its points moved; triangles keep their sense."""
-    triangles = mesh.triangles[:, ::-1] if mirrored else mesh.triangles
-    with open(file, "w") as out:
-        out.write("MeshVersionFormatted 2\nDimension 2\nVertices\n%d\n" % len(moved))
-        out.writelines("%.17g %.17g 0\n" % tuple(point) for point in moved)
-        out.write("Edges\n%d\n" % len(mesh.edges))
-        out.writelines("%d %d %d\n" % (*(edge + 1), label) for edge, label in zip(mesh.edges, mesh.labels))
-        out.write("Triangles\n%d\n" % len(triangles))
-        out.writelines("%d %d %d 0\n" % tuple(triangle + 1) for triangle in triangles)
-        out.write("End\n")
-
-
 @pytest.fixture(scope="module")
 def channel(tmp_path_factory):
     folder = tmp_path_factory.mktemp("channel")
@@ -67,7 +56,8 @@ def motion(channel, folder, turn=np.eye(2), origin=(0.0, 0.0), unit=1.0, density
     turn, origin = np.asarray(turn, float), np.asarray(origin, float)
     folder.mkdir()
     mirrored = np.linalg.det(turn) < 0
-    write_moved(channel, channel.points @ turn.T * unit + origin, mirrored, folder / "moved.mesh")
+    triangles = channel.triangles[:, ::-1] if mirrored else channel.triangles  # they keep their sense
+    write(PlaneMesh(channel.points @ turn.T * unit + origin, triangles, channel.edges, channel.labels), folder / "moved.mesh")
     bodies = []
     for x, y, long, short, angle, ratio in BODIES:
         centre, axis = turn @ (x, y) * unit + origin, turn @ (np.cos(angle), np.sin(angle))
