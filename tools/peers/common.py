@@ -29,7 +29,7 @@ def asked(problems, levels=3):
             return problem, level, *further
     except (IndexError, ValueError):
         pass
-    sys.exit(f"usage: {sys.argv[0]} {'|'.join(problems)} LEVEL (0 to {levels - 1}) [SIZE, of the elements of 2d1 over the level's (default 1) [ORDER of NGSolve's (default 3)]]")
+    sys.exit(f"usage: {sys.argv[0]} {'|'.join(problems)} LEVEL (0 to {levels - 1}) [SIZE, of the elements of 2d1 or of lbmpy's steps over the level's (default 1) [ORDER of NGSolve's (default 3)]]")
 
 
 def report(begin, unknowns, **numbers):

@@ -1,6 +1,6 @@
 """Free disks and an ellipse with lbmpy: lattice Boltzmann, partially saturated cells.
 
-    python -m tools.peers.with_lbmpy settling|fast|two|drift|ellipse LEVEL
+    python -m tools.peers.with_lbmpy settling|fast|two|drift|ellipse LEVEL [FACTOR]
 
 Noble and Torczynski (Int. J. Mod. Phys. C 9, 1998): each cell's collision is a mean of the
 fluid's and of one that turns the populations to the disk's velocity, weighted with the share of
@@ -12,7 +12,8 @@ fluid inside which is accelerated with the last step's acceleration (of an ellip
   drift      cases/couette_disk.edp (period 1, lengths in the distance H of the plates, speeds in theirs): heights at t U/H = 10, 20 ... 60
              and the largest distance of the path up to there from that of Feng et al. (1994)
   ellipse    cases/ellipse_in_shear.edp (rates in that of the shear): time of half a turn, angular velocity at t G = 1, 3 ... 9
-A level is cells across the diameter (the minor axis of the ellipse) and the speed on the lattice that stands for that of the scene.
+A level is cells across the diameter (the minor axis of the ellipse) and the speed on the lattice that stands for that of the scene,
+times FACTOR (1): the time step, and with it the compressibility and the relaxation time.
 cpu_s is without the generation and compilation of the kernels, as it is without every package's
 imports.
 """
@@ -53,7 +54,7 @@ class Scene:
     aspect: float = 1.0
 
 
-SCENES = {"settling": Scene(((1.0, 4.0),), 1.25, 0.1, 5.6, 0.4, ((8, 0.04), (12, 0.04), (16, 0.04), (24, 0.04))),
+SCENES = {"settling": Scene(((1.0, 4.0),), 1.25, 0.1, 5.6, 0.4, ((6, 0.04), (8, 0.04), (12, 0.04), (16, 0.04))),
           "fast": Scene(((1.0, 4.0),), 1.5, 0.01, 14.0, 0.35, ((16, 0.03), (24, 0.03), (32, 0.03), (48, 0.03))),
           "two": Scene(((1.0005, 4.5), (0.9995, 5.0)), 1.5, 0.01, 14.0, 0.1501, ((16, 0.03), (24, 0.03), (32, 0.03), (48, 0.03))),
           "drift": Scene(((0.5, 0.25),), 1.0, 1 / 40, 0.5, 60.0, ((8, 0.03), (12, 0.03), (16, 0.03), (24, 0.03)), size=(1.0, 1.0), gravity=0.0, shear=1.0),
@@ -160,9 +161,10 @@ class Disk:
         self.theta += 0.5 * (self.omega + self.omega_before)
 
 
-def fall(scene, level):
+def fall(scene, level, factor=1.0):
     """Times (n), centres and velocities (n, disks, 2) in s and cm, angles (n, disks), the number of cells and time.process_time() after compilation."""
     cells, speed = scene.levels[level]
+    speed *= factor
     h = scene.diameter / cells
     dt = speed * h / scene.speed
     nx, ny = (round(side / h) for side in scene.size)
@@ -210,8 +212,8 @@ def found(name, t, x, v, angle):
 
 
 if __name__ == "__main__":
-    problem, level = asked(SCENES, 4)
+    problem, level, *factor = asked(SCENES, 4)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        t, x, v, angle, cells, begin = fall(SCENES[problem], level)
+        t, x, v, angle, cells, begin = fall(SCENES[problem], level, *factor)
     report(begin, 9 * cells, steps=len(t), **found(problem, t, x, v, angle))
