@@ -123,3 +123,13 @@ def test_a_tiny_run(tmp_path, monkeypatch):
     assert 0 < errors[0] < 0.01 and 0 < errors[1] < 0.01
     assert float(rows[3]["step_s"]) > 0 and (tmp_path / "bench.png").is_file()
     assert "rotation" in (tmp_path / "bench.md").read_text()
+    # another part later keeps these runs
+    again = run_rounds([Job("contacts", "number", "standard", 0, lambda: {"unknowns": 5.0, "cpu_s": 0.5})], 1, 1, print)
+    monkeypatch.setattr(bench, "run_rounds", lambda *words, **more: again)
+    try:
+        assert bench.main(["--keep", "--parts", "contacts", "--out", str(tmp_path)]) == 0
+        with pytest.raises(BadInput, match="none can be kept"):
+            bench.main(["--keep", "--parts", "contacts", "--out", str(tmp_path / "none")])
+    finally:
+        bench.os.sched_setaffinity(0, affinity)
+    assert list(csv.DictReader(open(tmp_path / "bench.csv")))[:4] == rows and "transport: of an earlier run" in (tmp_path / "bench.md").read_text()

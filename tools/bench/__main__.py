@@ -3,6 +3,7 @@
     python -m tools.bench                  # make bench: at most 45 minutes
     python -m tools.bench --quick          # make bench QUICK=1: at most 5 minutes
     python -m tools.bench --parts particles skip --out results/bench_some
+    python -m tools.bench --keep --parts scaling skip    # the other parts are those of the last run into the folder
 
 The published method, the standard scheme and other packages (NGSolve, scikit-fem, lbmpy, SciPy,
 the QP packages piqp, clarabel, scs, osqp) run interleaved, in rounds, on one core and one thread.
@@ -24,7 +25,7 @@ from tools import bench_contacts, bench_flow
 from tools.bench import skip
 from tools.bench.figure import draw
 from tools.bench.page import load, write_page
-from tools.bench.rounds import collect, run_rounds
+from tools.bench.rounds import collect, earlier, run_rounds
 from tools.bench.scaling import scaling_jobs
 from tools.bench.scenes import OURS, PUBLISHED, contact_jobs, flow_jobs, particle_jobs, suspension_jobs
 from tools.bench.transport import transport_jobs
@@ -91,6 +92,7 @@ def parser():
     options = Parser(prog="python -m tools.bench", description=__doc__)
     options.add_argument("--quick", action="store_true", help="coarse runs only, at most 5 minutes")
     options.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS), help="default: all")
+    options.add_argument("--keep", action="store_true", help="take the runs of the other parts from the bench.csv of DIR (what is skipped is not in it)")
     options.add_argument("--out", default=str(ROOT / "results" / "bench"), metavar="DIR", help="where page, figure and table go (default results/bench)")
     options.add_argument("--repeats", type=int, default=3, metavar="N", help="most runs of each (default 3; a long one runs once)")
     options.add_argument("--limit", type=float, default=900, metavar="S", help="most seconds of one run (default 900)")
@@ -119,14 +121,16 @@ def main(words=None):
 
     def say(text):
         print(f"[{(time.perf_counter() - begin) / 60:5.1f} min] {text}", flush=True)
-    samples, skipped = [], []
+    samples = earlier(out / "bench.csv", given.parts) if given.keep else []
+    skipped, kept = [], sorted({s.section for s in samples}, key=PARTS.index)
+    missing += [f"{', '.join(kept)}: of an earlier run into this folder"] if kept else []
     for part in given.parts:
         if part == "skip":
             skipped = run_skip(out, given.quick, given.limit, say)
         else:
             until = time.perf_counter() + 60 * SHARES[given.quick][part]
             samples += run_rounds(jobs_of(part, there, out, given.quick, given.limit), given.repeats, 5 if given.quick else 25, say, until=until)
-        points = collect(samples)
+        points = collect(sorted(samples, key=lambda s: PARTS.index(s.section)))
         page = write_page(points, samples, skipped, missing, out, given.quick, (time.perf_counter() - begin) / 60, (before, load()), computer)
         if points or skipped:
             draw(points, skipped, out / "bench.png")

@@ -4,6 +4,7 @@
     points = collect(samples)
     ratio_at_equal_error(points_of_one, points_of_another)
 """
+import csv
 import math
 import statistics
 import time
@@ -109,6 +110,16 @@ def line(sample):
     if math.isfinite(sample.error):
         parts.append(f"error {sample.error:.2e}")
     return " ".join(parts)
+
+
+def earlier(path, parts):
+    """The samples of a bench.csv but those of these parts."""
+    try:
+        with open(path, newline="", encoding="utf-8") as stream:
+            rows = [row for row in csv.DictReader(stream) if row["section"] not in parts]
+        return [Sample(**{name: kind(row[name]) for name, kind in Sample.__annotations__.items()}) for row in rows]
+    except (OSError, KeyError, TypeError, ValueError):
+        raise BadInput(f"{path} does not hold the runs of a benchmark: none can be kept") from None
 
 
 def collect(samples):
