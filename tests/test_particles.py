@@ -56,6 +56,34 @@ def test_rigid_sets_are_those_of_a_numpy_twin(freefem_text, periodic):
         assert expected[int(k)] == pytest.approx((d, rx, ry), abs=1e-12)
 
 
+@pytest.mark.parametrize("periodic", [False, True])
+def test_rigid_sets_of_moving_disks(freefem_text, periodic):
+    """Candidates are looked for ahead of the disks; fast and slow ones, that turn back or cross the seam, have the nodes of the twin at each step."""
+    disks, steps = np.array([(0.31, 0.42, 0.127), (0.62, 0.71, 0.09), (0.85 if periodic else 0.75, 0.3, 0.11), (0.5, 0.1, 0.06)]), 48
+    pace = 0.012 * np.array([(0.1, 0.4), (-1, 0.2), (1.1 if periodic else -0.3, 0.1), (0.0, 0.0)])  # a step; back after half of them
+    more = "int found = 0;\n"
+    for step in range(1, steps + 1):
+        move = pace if step <= steps // 2 else -pace
+        more += f"bodyMoved = [{', '.join(map(repr, move.T.ravel().tolist()))}, 0, 0, 0, 0];\n"
+        more += "{ real[int] mx = bodyMoved(0:3), my = bodyMoved(4:7); bodyX += mx; bodyY += my; } rigidFind(); found = rigidCount;\n"
+        more += f'for (int k = 0; k < rigidCount; ++k) cout << "at {step} " << rigidNode[k] << " " << rigidOwner[k] << endl;\n'
+    out = freefem_text(script(disks.tolist(), periodic, more + 'cout << "refreshed " << rigidRefreshed << endl;')).stdout
+    nodes, at = rows(out, "node"), rows(out, "at")
+    place = disks[:, :2].copy()
+    for step in range(1, steps + 1):
+        place += pace if step <= steps // 2 else -pace
+        expected = set()
+        for d, ((x, y), r) in enumerate(zip(place, disks[:, 2])):
+            dx = nodes[:, 1] - x
+            if periodic:
+                dx -= np.round(dx)
+            expected |= {(int(k), d) for k in np.flatnonzero((np.hypot(dx, nodes[:, 2] - y) < r) & (nodes[:, 3] > 0.5))}
+        found = [(int(k), int(d)) for _, k, d in at[at[:, 0] == step]]
+        assert set(found) == expected and len(found) == len(expected) > 60, step
+    looks, path = rows(out, "refreshed")[0, 0], steps * np.hypot(*pace.T).max()
+    assert looks <= 3 + path / (1.8 / 16)  # the fastest goes 1.9 skins, of an element each, from one look to the next but the first and the turn
+
+
 @pytest.mark.parametrize("way", ["rowsShare = 0", "rowsShare = 1; pressureFew = 0", "rowsShare = 1; pressureFew = 1"])
 def test_a_linear_pressure_goes_with_the_disks_that_moved(way, freefem_text):
     """p = 2 x - y: its gradient is exact, so the vertices round a disk change by -d.grad p, the others not."""
