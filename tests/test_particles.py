@@ -39,6 +39,15 @@ def rows(text, word):
     return np.array([[float(w) for w in line.split()[1:]] for line in text.splitlines() if line.startswith(word + " ")])
 
 
+def inside(nodes, x, y, r, periodic):
+    """Numbers of the free nodes in a disk, and their places from its centre along x and y."""
+    dx, dy = nodes[:, 1] - x, nodes[:, 2] - y
+    if periodic:
+        dx -= np.round(dx)
+    found = np.flatnonzero((np.hypot(dx, dy) < r) & (nodes[:, 3] > 0.5))
+    return found, dx[found], dy[found]
+
+
 @pytest.mark.parametrize("periodic", [False, True])
 def test_rigid_sets_are_those_of_a_numpy_twin(freefem_text, periodic):
     disks = [(0.31, 0.42, 0.127), (0.62, 0.71, 0.09), (0.04 if periodic else 0.2, 0.8, 0.11), (0.5, 0.06, 0.1)]
@@ -46,11 +55,7 @@ def test_rigid_sets_are_those_of_a_numpy_twin(freefem_text, periodic):
     rigid, nodes = rows(out, "rigid"), rows(out, "node")
     expected = {}
     for d, (x, y, r) in enumerate(disks):
-        dx = nodes[:, 1] - x
-        if periodic:
-            dx -= np.round(dx)
-        inside = (np.hypot(dx, nodes[:, 2] - y) < r) & (nodes[:, 3] > 0.5)
-        expected |= {int(k): (d, dx[k], nodes[k, 2] - y) for k in np.flatnonzero(inside)}
+        expected |= {int(k): (d, dx, dy) for k, dx, dy in zip(*inside(nodes, x, y, r, periodic))}
     assert len(rigid) == len(expected) and len(set(rigid[:, 0])) == len(rigid)
     for k, d, rx, ry in rigid:
         assert expected[int(k)] == pytest.approx((d, rx, ry), abs=1e-12)
@@ -61,23 +66,16 @@ def test_rigid_sets_of_moving_disks(freefem_text, periodic):
     """Candidates are looked for ahead of the disks; fast and slow ones, that turn back or cross the seam, have the nodes of the twin at each step."""
     disks, steps = np.array([(0.31, 0.42, 0.127), (0.62, 0.71, 0.09), (0.85 if periodic else 0.75, 0.3, 0.11), (0.5, 0.1, 0.06)]), 48
     pace = 0.012 * np.array([(0.1, 0.4), (-1, 0.2), (1.1 if periodic else -0.3, 0.1), (0.0, 0.0)])  # a step; back after half of them
-    more = "int found = 0;\n"
-    for step in range(1, steps + 1):
-        move = pace if step <= steps // 2 else -pace
+    moves = np.repeat([pace, -pace], steps // 2, axis=0)
+    places, more = disks[:, :2] + np.cumsum(moves, axis=0), ""
+    for step, move in enumerate(moves):
         more += f"bodyMoved = [{', '.join(map(repr, move.T.ravel().tolist()))}, 0, 0, 0, 0];\n"
-        more += "{ real[int] mx = bodyMoved(0:3), my = bodyMoved(4:7); bodyX += mx; bodyY += my; } rigidFind(); found = rigidCount;\n"
+        more += "{ real[int] mx = bodyMoved(0:3), my = bodyMoved(4:7); bodyX += mx; bodyY += my; }\nrigidFind();\n"
         more += f'for (int k = 0; k < rigidCount; ++k) cout << "at {step} " << rigidNode[k] << " " << rigidOwner[k] << endl;\n'
     out = freefem_text(script(disks.tolist(), periodic, more + 'cout << "refreshed " << rigidRefreshed << endl;')).stdout
     nodes, at = rows(out, "node"), rows(out, "at")
-    place = disks[:, :2].copy()
-    for step in range(1, steps + 1):
-        place += pace if step <= steps // 2 else -pace
-        expected = set()
-        for d, ((x, y), r) in enumerate(zip(place, disks[:, 2])):
-            dx = nodes[:, 1] - x
-            if periodic:
-                dx -= np.round(dx)
-            expected |= {(int(k), d) for k in np.flatnonzero((np.hypot(dx, nodes[:, 2] - y) < r) & (nodes[:, 3] > 0.5))}
+    for step, place in enumerate(places):
+        expected = {(int(k), d) for d, (x, y) in enumerate(place) for k in inside(nodes, x, y, disks[d, 2], periodic)[0]}
         found = [(int(k), int(d)) for _, k, d in at[at[:, 0] == step]]
         assert set(found) == expected and len(found) == len(expected) > 60, step
     looks, path = rows(out, "refreshed")[0, 0], steps * np.hypot(*pace.T).max()

@@ -149,6 +149,13 @@ def peer(program, problem, level, limit, size):
     return found["unknowns"], found, done.cpu_s, found["cpu_s"], ""
 
 
+def over_neighbours(runs):
+    """[(number, ..., error)] of runs on meshes, or with steps, of nearly the same size: the means, and of the errors
+    the root of the mean square, because one run may be right by chance."""
+    *numbers, errors = zip(*runs)
+    return [*(sum(values) / len(values) for values in numbers), math.sqrt(sum(e * e for e in errors) / len(errors))]
+
+
 def judged(program, problem, level, out, limit):
     """(unknowns, numbers, cpu_s, cpu_own_s, error, reason) over the meshes of SIZES; the numbers are the first one's."""
     runs = []
@@ -157,9 +164,8 @@ def judged(program, problem, level, out, limit):
         if reason:
             return (*numbers, float("nan"), reason)
         runs.append((*numbers, error(problem, numbers[1])))
-    unknowns, found, cpu, own, off = zip(*runs)
-    mean = [sum(values) / len(runs) for values in (unknowns, cpu, own)]
-    return mean[0], found[0], mean[1], mean[2], math.sqrt(sum(e * e for e in off) / len(runs)), ""
+    unknowns, cpu, own, off = over_neighbours([(size, *rest) for size, _, *rest in runs])
+    return unknowns, runs[0][1], cpu, own, off, ""
 
 
 def draw(rows, problems, path):

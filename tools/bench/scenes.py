@@ -5,7 +5,6 @@ References: DFG 2D-1 and 2D-2 (FeatFlow); settling disk: body-fitted transient, 
 """
 import functools
 import json
-import math
 import subprocess
 import sys
 
@@ -61,13 +60,6 @@ def flow_jobs(out, levels, limit):
             for program, those in programs.items() if level in those]
 
 
-def averaged(run, factors=NEARBY):
-    """Means over the factors of what run(factor) gives, of the errors the root of the mean square: one run may be right by chance."""
-    runs = [run(factor) for factor in factors]
-    return {name: (math.hypot(*values) / math.sqrt(len(runs)) if name == "error" else sum(values) / len(runs))
-            for name in runs[0] for values in [[one[name] for one in runs]]}
-
-
 def settling(scheme, cells, dt, out, limit):
     """Mean fall velocity over 0.3 to 0.4 s with `cells` elements across the disk, larger ones away from its path; the slow published scheme once."""
     def run(factor):
@@ -77,8 +69,9 @@ def settling(scheme, cells, dt, out, limit):
             "-mesh": str(mesh("box_corridor", f"corridor_{across:.4g}", out, "--size", f"{0.25 / across:.12g}", *PATH)), "-scheme": scheme, "-dt": step, "-tend": 0.4,
             "-every": 0.005, "-tolerance": 1e-4}, out=folder, limit=limit))
         value = quantities.mean_v(RunFolder(folder), 0.3, 0.4)
-        return {"unknowns": unknowns(folder), "cpu_s": done.cpu_s, "error": abs(value / FALL - 1), "memory_mb": done.memory_mb}
-    return averaged(run, NEARBY if scheme == OURS else NEARBY[:1])
+        return unknowns(folder), done.cpu_s, done.memory_mb, abs(value / FALL - 1)
+    runs = [run(factor) for factor in (NEARBY if scheme == OURS else NEARBY[:1])]
+    return dict(zip(("unknowns", "cpu_s", "memory_mb", "error"), bench_flow.over_neighbours(runs)))
 
 
 def settling_lbmpy(level, limit):
@@ -86,8 +79,8 @@ def settling_lbmpy(level, limit):
     def run(factor):
         done = finished(run_command([sys.executable, "-m", "tools.peers.with_lbmpy", "settling", str(level), str(factor)], limit))
         found = json.loads(next(text for text in done.log.splitlines() if text.startswith("{")))
-        return {"unknowns": found["unknowns"], "cpu_s": done.cpu_s, "own_s": found["cpu_s"], "error": abs(found["mean_v"] / FALL - 1), "memory_mb": done.memory_mb}
-    return averaged(run)
+        return found["unknowns"], done.cpu_s, found["cpu_s"], done.memory_mb, abs(found["mean_v"] / FALL - 1)
+    return dict(zip(("unknowns", "cpu_s", "own_s", "memory_mb", "error"), bench_flow.over_neighbours([run(factor) for factor in NEARBY])))
 
 
 def turning(scheme, cells, dt, out, limit):
