@@ -58,3 +58,37 @@ def test_a_body_that_moves_freely_cannot_be_given_a_motion(freefem_text, tmp_pat
     text = scene("bodyDisk(0.5, 0.5, 0.16, 1);", "givenMotion(0, 1, 0, 0);")
     done = freefem_text(text, "-tend", 0.1, "-out", tmp_path / "run", check=False)
     assert done.returncode == 3 and "particle 0 moves freely" in done.stderr and len(done.stderr.strip().splitlines()) == 1
+
+
+HELD = """include "lib/bodies.idp"
+optCase("held", "a disk held in a periodic channel");
+optDefault("-mesh", "meshes/couette_disk.mesh");
+real rhoFluid = 1, mu = 0.3, gravityX = 0, gravityY = 0;
+macro flowForceX() 1. // EOM
+include "lib/labels.idp"
+int[int] flowNoSlip = [labelTop, labelBottom], flowMoving(0), flowOutlet(0), flowSlip(0);
+macro flowSpaces() fespace Wh(Th, P2, periodic = [[labelLeft, y], [labelRight, y]]);
+    fespace Qh(Th, P1, periodic = [[labelLeft, y], [labelRight, y]]); // EOM
+macro flowPeriodicLabels() [labelLeft, labelRight] // EOM
+real flowPeriodX = 1, flowPeriodY = 0, motionBound = 1e30;
+func real boundaryRamp(real t) { return 1; }
+macro caseParticles() bodyAdd(0.51, 0.47, 0.2, 1, 0, 0, 0, 0); // EOM
+include "scripts/resolved.edp"
+"""
+
+
+def test_the_flow_round_a_held_disk_does_not_swing_by_itself(freefem_text, tmp_path):
+    """At mu dt/(rho h^2) = 15, where it did: steady, slower than without the disk, and its force and the walls' take the push."""
+    freefem_text(HELD, "-dt", 0.05, "-tend", 12, "-every", 1, "-forces", 1, "-wallforces", 1, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    drag = run.table("forces")["fx"]
+    assert abs(drag[-1] - drag[-2]) < 1e-3 * drag[-1]
+    assert run.fluid["top_speed"].max() < 1 / (8 * 0.3)
+    walls = run.table("wallforces")
+    assert drag[-1] + walls["fx"][walls["t"] == walls["t"][-1]].sum() == pytest.approx(1, rel=0.01)
+
+
+def test_a_disk_centred_on_a_node_beside_an_ellipse(freefem_text, tmp_path):
+    """The foot of a circle's centre on its edge is any point: it was 0/0."""
+    freefem_text(case("bodyDisk(0.3125, 0.5, 0.07, 2); bodyEllipse(0.7, 0.5, 0.09, 0.06, 0.3, 2);"), "-dt", 0.005, "-tend", 0.02, "-out", tmp_path / "run")
+    assert np.isfinite(RunFolder(tmp_path / "run").particles["v"]).all()
