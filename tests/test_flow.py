@@ -107,6 +107,52 @@ def test_convection_operator_is_that_of_the_assembly(lift, size, off_most, freef
     assert leaving > 0 and (entering > 0) == (lift == 0)
 
 
+STABILISED = """
+include "lib/options.idp"
+optCase("operator", "test");
+optEnd();
+include "lib/labels.idp"
+mesh Th = square(5, 4, [x + 0.1*y*y, y*(1 + 0.2*x)]);
+int[int] relabel = [1, labelWall, 2, labelOutlet, 3, labelWall, 4, labelInlet];
+Th = change(Th, label = relabel);
+Th = adaptmesh(Th, 0.1*(2 + x), IsMetric = 1, nbvx = 20000);
+int[int] flowNoSlip = [labelWall], flowMoving = [labelInlet], flowOutlet = [labelOutlet], flowSlip(0);
+real rhoFluid = 1.3, mu = 0.012, stabilise = 0.07;
+include "lib/stabilise.idp"
+stabiliseSetUp(flowM);
+Wh a = sin(3*x) - y + 0.2, b = x*y - 0.5*cos(5*y), speed = sqrt(a^2 + b^2);
+stabiliseRenew(a[], b[]);
+fespace Zh(Th, P0);
+varf longest(u, w) = int2d(Th)(w/area*hTriangle);
+varf mean(u, w) = int2d(Th)(w/area*speed);
+Zh h, U;
+h[] = longest(0, Zh); U[] = mean(0, Zh);
+Zh s = stabilise*U*max(0., 1 - 10*mu/(rhoFluid*U*h));
+varf form(u, w) = int2d(Th)(s*h*(dx(u)*dx(w) + dy(u)*dy(w))) - int2d(Th, qft = qf1pT)(s*h*(dx(u)*dx(w) + dy(u)*dy(w)));
+matrix B = form(Wh, Wh), L = flowM;
+L.coef = stabiliseC;
+real worst = 0, most = 0;
+for (int k = 0; k < 4; ++k) {
+    Wh u = cos(k*x + 2*y) + k*x*x;
+    real[int] first = L*u[], second = B*u[];
+    most = max(most, second.linfty);
+    first -= second;
+    worst = max(worst, first.linfty);
+}
+int still = 0;
+for (int T = 0; T < Th.nt; ++T) if (stabiliseSpeed[T] == 0) still++;
+cout << "RESULT " << worst/most << " " << abs(stabiliseSquare(a[], b[])/flowSquare(B, a[], b[]) - 1) << " " << still << " " << Th.nt << endl;
+"""
+
+
+def test_stabilisation_is_that_of_the_assembly(freefem_text):
+    """The form, filled from a speed for each triangle, and its square; some triangles resolve the flow and have none of it."""
+    text = freefem_text(STABILISED).stdout
+    off, square, still, triangles = map(float, next(line for line in text.splitlines() if line.startswith("RESULT")).split()[1:])
+    assert off < 1e-13 and square < 1e-13
+    assert 0 < still < 0.5 * triangles
+
+
 @pytest.fixture(scope="module")
 def cylinder(meshes, tmp_path_factory):
     """A short run past a cylinder on a coarse mesh."""

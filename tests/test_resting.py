@@ -1,0 +1,50 @@
+"""Bodies at rest on the floor: the fluid pushes nothing, and it does not move."""
+import numpy as np
+import pytest
+
+from tools.tables import read_table
+
+SCENE = """
+include "lib/options.idp"
+optCase("resting", "bodies on the floor of a closed box");
+optDefault("-mesh", "meshes/couette_disk.mesh");
+include "lib/labels.idp"
+real rhoFluid = 1, mu = 0.05, gravityX = 0, gravityY = -1;
+int[int] flowNoSlip = [labelLeft, labelRight, labelBottom, labelTop], flowMoving(0), flowOutlet(0), flowSlip(0);
+real flowPeriodX = 0, flowPeriodY = 0, motionBound = 1e30;
+func real boundaryRamp(real t) { return 1; }
+macro caseParticles() BODIES // EOM
+include "scripts/resolved.edp"
+"""
+EXCESS = 0.5 * np.pi * 0.12**2  # weight less buoyancy of a disk of density 1.5, N/m
+BODIES = {
+    "a disk": "bodyDisk(0.5, 0.12 + 1e-9, 0.12, 1.5);",
+    "a disk on another": "bodyDisk(0.5, 0.12 + 1e-9, 0.12, 1.5); bodyDisk(0.5, 0.36 + 2e-9, 0.12, 1.5);",
+    "a lying ellipse": "bodyEllipse(0.5, 0.09 + 1e-9, 0.16, 0.09, 0., 1.5);",
+}
+
+
+@pytest.mark.parametrize("bodies", BODIES)
+def test_the_fluid_leaves_bodies_at_rest_alone(bodies, freefem_text, run_folder):
+    """The contacts carry the weight; if the fluid were let fall with the body in each step, its force would be half of it."""
+    freefem_text(SCENE.replace("BODIES", BODIES[bodies]), "-dt", 0.02, "-cfl", 0, "-tend", 1, "-forces", 1, "-out", run_folder)
+    forces, fluid, bodies = (read_table(run_folder / f"{name}.csv") for name in ("forces", "fluid", "particles"))
+    last = forces["t"] > 0.9
+    assert np.abs(forces["fy"][last]).max() < 0.1 * EXCESS
+    assert fluid["top_speed"][-1] < 3e-4
+    assert np.abs(bodies["v"][-1]) < 1e-8 and fluid["contacts"][-1] == len(set(bodies["id"]))
+
+
+def test_a_short_last_step_spoils_neither_the_last_row_nor_a_restart(freefem, tmp_path):
+    """An end that is no multiple of the step: the last two share what is left."""
+    rows = {}
+    for end in ("0.05", "0.0500001"):
+        words = ["cases/settling_disk.edp", "-dt", 0.0025, "-forces", 1, "-every", 0, "-checkpoint", 1000]
+        freefem(*words, "-tend", end, "-out", tmp_path / end)
+        rows[end] = {name: read_table(tmp_path / end / f"{name}.csv") for name in ("forces", "fluid")}
+        freefem(*words, "-tend", 0.06, "-restart", tmp_path / end)
+        rows[end]["particles"] = read_table(tmp_path / end / "particles.csv")
+    even, odd = rows.values()
+    assert odd["fluid"]["dt"].min() >= 0.5 * even["fluid"]["dt"][-1]
+    assert odd["forces"]["fy"][-1] == pytest.approx(even["forces"]["fy"][-1], rel=0.01)
+    assert odd["particles"]["v"][-1] == pytest.approx(even["particles"]["v"][-1], rel=1e-3)
