@@ -107,6 +107,20 @@ def test_what_is_not_finite_never_matches(tmp_path, bad):
     assert not compare(tmp_path / "b.csv", tmp_path / "b.csv")
 
 
+@pytest.mark.parametrize("name, header", [("forces", "t,id,fx"), ("wallforces", "t,label,fx"), ("budget", "t,energy")])
+def test_forces_and_budgets_are_compared_too(tmp_path, name, header):
+    """Each particle and each label of the boundary by itself, where a folder is the reference."""
+    who = (1, 2) if header.count(",") == 2 else (1,)
+    rows = [[t, k, 10 * k + t] if len(who) == 2 else [t, 10 * k + t] for t in (0.0, 0.1, 0.2) for k in who]
+    for folder, change in (("one", 0), ("other", 0.5)):
+        (tmp_path / folder).mkdir()
+        rows[-1][-1] += change
+        write_csv(tmp_path / folder / f"{name}.csv", header.split(","), rows)
+    assert compare(tmp_path / "one", tmp_path / "one")
+    result = compare(tmp_path / "other", tmp_path / "one")
+    assert not result and result.failed == 1 and f"{name}.csv" in str(result)
+
+
 def test_a_reference_file_finds_its_table_in_the_run(run, tmp_path):
     rows = (run / "fluid.csv").read_text().splitlines()
     (tmp_path / "flux.csv").write_text("# source: made up\n" + "\n".join(rows[:20]) + "\n")

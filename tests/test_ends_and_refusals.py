@@ -108,6 +108,15 @@ def test_a_folder_with_other_files_is_left_alone(freefem_refused, tmp_path):
     assert (tmp_path / "particles.csv").read_text() == "precious" and len(list(tmp_path.iterdir())) == 1
 
 
+def test_an_input_in_the_folder_of_the_run_is_not_overwritten(freefem, freefem_refused, tmp_path):
+    freefem("cases/settling_disk.edp", "-tend", "0.01", "-out", tmp_path / "run")
+    file = tmp_path / "run/disks.csv"
+    file.write_text("id,x,y,radius,density\n5,1,2,0.125,2\n")
+    words = ["cases/settling_disk.edp", "-tend", "0.01", "-particles", file, "-out", tmp_path / "run", "-overwrite", "1"]
+    assert "would delete" in freefem_refused(3, *words)
+    assert file.exists() and (tmp_path / "run/particles.csv").exists()
+
+
 def test_a_pipe_of_another_size_than_its_mesh_is_refused(freefem_refused):
     for words in (["-radius", "0.2"], ["-length", "5"]):
         assert "not what -length and -radius say" in freefem_refused(3, "cases/pipe_obstacles.edp", *words)

@@ -80,6 +80,16 @@ def test_a_study_finds_order_and_limit_and_resumes(case, tmp_path, capsys):
     assert "(done before)" not in capsys.readouterr().out
 
 
+def test_what_a_run_depends_on_holds_the_contents_of_its_inputs(case, tmp_path):
+    """A file of particles that was edited makes the run another one; what is no file counts by its name."""
+    file = tmp_path / "disks.csv"
+    keys = []
+    for text in ("id,x,y\n1,0,0\n", "id,x,y\n1,0,1\n"):
+        file.write_text(text)
+        keys.append(study.fingerprint(str(case), {"-particles": str(file), "-model": "laminar"}))
+    assert keys[0] != keys[1] == study.fingerprint(str(case), {"-particles": str(file), "-model": "laminar"})
+
+
 def test_a_failed_run_is_a_row_with_its_reason(case, tmp_path, capsys):
     words = [str(case), "--meshsize", "0.1", "0.05", "--dt", "0.02", "0.01", "--quantity", "mean_v:0.3:0.4",
              "--out", str(tmp_path / "out"), "--", "-fail", "0.015"]

@@ -127,6 +127,13 @@ def test_pipe_transport_reuses_its_flow_and_loses_nobody(freefem, tmp_path):
     assert refused.returncode == 3 and len(refused.stderr.splitlines()) == 1 and "another setting" in refused.stderr
 
 
+def test_a_run_that_is_no_steady_flow_is_not_overwritten(freefem, freefem_refused, tmp_path):
+    freefem("cases/settling_disk.edp", "-tend", 0.01, "-out", tmp_path / "run")
+    kept = (tmp_path / "run/particles.csv").read_text()
+    line = freefem_refused(3, "cases/pipe_transport.edp", *LAMINAR, "-flow", tmp_path / "run", "-out", tmp_path / "other")
+    assert "no steady flow" in line and (tmp_path / "run/particles.csv").read_text() == kept
+
+
 def test_a_missing_mesh_is_one_line_and_status_3(freefem, tmp_path):
     done = freefem("cases/pipe_transport.edp", "-out", tmp_path / "run", "-mesh", "nowhere.mesh", check=False)
     assert done.returncode == 3 and "cannot read the mesh file" in done.stderr and len(done.stderr.splitlines()) == 1

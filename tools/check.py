@@ -7,7 +7,7 @@ NAME:RTOL or NAME:RTOL:ATOL; a value passes where |got - expected| <= atol + rto
 Without --columns every column that the reference has is compared, but for step counts,
 dt, iterations and wall-clock times.
 
-Rows are aligned by time, for each particle id by itself. Where the times differ, the
+Rows are aligned by time, for each particle id and each label of the boundary by itself. Where the times differ, the
 denser of the two is interpolated linearly at the times of the other, so the tolerance
 must allow for the curvature between its rows. Contacts (columns i, j) are not
 interpolated: a pair must have a row at the same time. The run must cover the times of
@@ -30,7 +30,8 @@ import numpy as np
 from tools.command import BadInput, Parser, guarded
 from tools.tables import read_table
 
-TABLES = ("particles", "fluid", "contacts")
+TABLES = ("particles", "fluid", "contacts", "forces", "wallforces", "budget")
+KEYS = ("id", "label", "i", "j")  # columns that tell the rows of one time apart
 NOT_COMPARED = ("step", "dt", "iterations")
 SAME_TIME = 1e-9  # of the length of the run: times this close are one time
 
@@ -168,7 +169,7 @@ def pairs_of_tables(run, reference, wanted):
     table = read_table(reference)
     if run.is_file():
         return [(run.name, read_table(run), table)]
-    needed = (set(wanted) if wanted is not None else set(table)) | ({"id", "i", "j"} & set(table))
+    needed = (set(wanted) if wanted is not None else set(table)) | (set(KEYS) & set(table))
     found = [(name, read_table(run / f"{name}.csv")) for name in TABLES if (run / f"{name}.csv").is_file()]
     if not found:
         raise BadInput(f"{run} is not a run folder: it holds none of " + ", ".join(f"{name}.csv" for name in TABLES))
@@ -235,7 +236,7 @@ def values_at(times, own_times, values, slack):
 def compare_tables(result, name, run, reference, wanted, time=None, subset=False, rtol=1e-6, atol=0.0):
     """Compare two tables, adding to a Comparison."""
     t_run, t_ref = time_name(run, time), time_name(reference, time)
-    keys = [key for key in ("id", "i", "j") if key in reference]
+    keys = [key for key in KEYS if key in reference]
     pairwise = "i" in keys and "j" in keys
     if wanted is None:
         skip = {t_run, t_ref, *keys, *NOT_COMPARED}

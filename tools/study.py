@@ -98,7 +98,8 @@ def fingerprint(script, options, mesh=None):
     total = hashlib.sha256(json.dumps([script, sorted(map(str, options.items())), freefem()]).encode())
     files = [ROOT / script, *itertools.chain(*(sorted(ROOT.glob(pattern)) for pattern in SOURCES))]
     own = re.search(r'optDefault\("-mesh", "([^"]+)"\)', files[0].read_text(encoding="utf-8"))
-    for path in files + ([mesh] if mesh else [ROOT / own[1]] if own else []):
+    inputs = [ROOT / str(value) for name, value in options.items() if name != "-mesh" and (ROOT / str(value)).is_file()]
+    for path in files + ([mesh] if mesh else [ROOT / own[1]] if own else []) + inputs:
         total.update(path.read_bytes())
     return total.hexdigest()[:20]
 
