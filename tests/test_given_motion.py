@@ -54,6 +54,18 @@ def test_a_large_cylinder_can_be_moved_for_long(freefem_text, tmp_path):
     assert x.min() > 0.4 - 0.02 * amplitude and x.max() == pytest.approx(0.4 + 2 * amplitude, abs=0.02 * amplitude)  # the first step, of Euler, is off by 0.012
 
 
+@pytest.mark.parametrize("bodies, steps, overlap", [
+    ("bodyAdd(0.3, 0.5, 0.1, 1, 0, 0, 0, 0); bodyAdd(0.53, 0.5, 0.1, 1, 0, 0, 0, 0);", 5, 0.03),
+    ("bodyAdd(0.85, 0.5, 0.1, 1, 0, 0, 0, 0);", 6, 0.02),
+])
+def test_held_bodies_moved_into_each_other_or_a_wall_are_warned_of(bodies, steps, overlap, freefem_text, tmp_path):
+    """By 0.01 a step: once said, and the least gap is the overlap after the next move."""
+    text = scene(bodies, "givenMotion(0, 1, 0, 0);")
+    done = freefem_text(text, "-dt", 0.01, "-cfl", 0, "-every", 0, "-tend", 0.01 * steps, "-out", tmp_path / "run")
+    assert (done.stdout + done.stderr).count("overlap by") == 1
+    assert RunFolder(tmp_path / "run").fluid["worst_gap"].min() == pytest.approx(-overlap, abs=1e-9)
+
+
 def test_a_body_that_moves_freely_cannot_be_given_a_motion(freefem_text, tmp_path):
     text = scene("bodyDisk(0.5, 0.5, 0.16, 1);", "givenMotion(0, 1, 0, 0);")
     done = freefem_text(text, "-tend", 0.1, "-out", tmp_path / "run", check=False)
