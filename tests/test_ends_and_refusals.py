@@ -129,6 +129,23 @@ def test_a_bad_file_of_particles_is_refused_with_its_line(freefem_refused, tmp_p
     assert complaint in freefem_refused(3, "cases/settling_disk.edp", "-particles", file)
 
 
+@pytest.mark.parametrize("head, row, complaint", [
+    ("id,x,y,radius,mass", "5,1,2,0.1,2", "the column 'mass'"),
+    ("id,x,y,radius,density,x", "5,1,2,0.1,2,1", "the column 'x'"),
+    ("id,x,y,radius", "5,1,2,0.1", "does not name the column density"),
+    ("id,x,y,radius,density", "5,1,2,0.1,2\n5,1,4,0.1,2", "line 3: particle 5 stands there a second time"),
+])
+def test_what_is_wrong_in_a_file_of_particles_is_named(freefem_refused, tmp_path, head, row, complaint):
+    file = tmp_path / "disks.csv"
+    file.write_text(f"{head}\n{row}\n")
+    assert complaint in freefem_refused(3, "cases/settling_disk.edp", "-particles", file)
+
+
+@pytest.mark.parametrize("words", [["-radius", "0.3"], ["-neck", "0.8"]])
+def test_an_impossible_hourglass_is_refused(freefem_refused, words):
+    assert words[0] in freefem_refused(3, "cases/hourglass.edp", *words)
+
+
 def test_forces_without_a_cylinder_are_refused(freefem_refused, tmp_path):
     assert "label cylinder" in freefem_refused(3, "cases/poiseuille.edp", "-forces", "1", "-tend", "0.1", "-out", tmp_path / "run")
     assert not (tmp_path / "run").exists()

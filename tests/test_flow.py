@@ -193,6 +193,25 @@ def test_a_flow_without_particles_spends_no_time_on_them(cylinder):
     assert all(count)
 
 
+def test_a_moving_plate_is_no_inlet_of_the_pressure_drop(freefem_text, run_folder):
+    """Couette-Poiseuille flow between a plate at rest and a moving one: p falls by 8 mu from the inlet to the outlet, whatever the plate does."""
+    scene = """
+    include "lib/options.idp"
+    optCase("plate", "a channel with a moving lid");
+    optDefault("-mesh", "meshes/taylor_green.mesh");
+    include "lib/labels.idp"
+    real rhoFluid = 1, mu = 0.1;
+    int[int] flowNoSlip = [labelBottom], flowMoving = [labelLeft, labelTop], flowOutlet = [labelRight], flowSlip(0);
+    real flowPeriodX = 0, flowPeriodY = 0;
+    macro boundaryU() (3*y + 4*y*(1 - y)) // EOM
+    func real boundaryRamp(real t) { return 1; }
+    macro caseStart() { Wh start = 3*y + 4*y*(1 - y); flowU = start[]; flowU1 = start[]; } // EOM
+    include "scripts/flow.edp"
+    """
+    freefem_text(scene, "-convection", 0, "-dt", 0.5, "-cfl", 0, "-tend", 40, "-tolerance", 1e-10, "-out", run_folder)
+    assert read_table(run_folder / "fluid.csv")["pressure_drop"][-1] == pytest.approx(8 * 0.1, rel=1e-5)
+
+
 def test_restless_fluid_in_a_closed_box_only_loses_energy(freefem_text, run_folder):
     scene = """
     include "lib/options.idp"

@@ -106,6 +106,8 @@ def test_a_restart_with_other_options_or_without_a_checkpoint_is_refused(freefem
     for folder, more in (("run", ["-lift", 0]), ("nowhere", [])):
         done = freefem("tests/transport/queue.edp", *words, *more, "-restart", tmp_path / folder, check=False)
         assert done.returncode == 3 and len(done.stderr.splitlines()) == 1
+    done = freefem("tests/transport/queue.edp", "-mesh", "meshes/pipe_obstacles.mesh", "-checkpoint", 2, "-tend", 0.02, "-restart", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "another mesh" in done.stderr
 
 
 LAMINAR = ["-model", "laminar", "-reynolds", 100]

@@ -182,16 +182,20 @@ def plot_energy(run, path):
     t = motion["t"]
     figure, (top, low) = plt.subplots(2, 1, figsize=(PAGE_WIDTH, 4.6), sharex=True, layout="constrained")
     fallen = motion["potential_energy"] - motion["potential_energy"].min()
-    floor = 1e-24 * max(motion["kinetic_energy"].max(), 1e-300)
+    floor = 1e-9 * max(motion["kinetic_energy"].max(), fallen.max(), 1e-300)
     top.semilogy(t, np.maximum(motion["kinetic_energy"], floor), label="kinetic", **curve(0))
     top.semilogy(t, np.maximum(fallen, floor), label="potential, above its least", **curve(1))
     top.set_ylabel("energy (J per metre of depth)")
     top.legend()
     radius = run.particles["radius"].min()
     overlap = np.where(motion["worst_gap"] < 0, -motion["worst_gap"] / radius, np.nan)
-    low.semilogy(t, overlap, label="greatest overlap / smallest radius", **curve(0))
     low.set(xlabel="t (s)", ylabel="overlap (1)")
-    low.legend(loc="lower right")
+    if np.isfinite(overlap).any():
+        low.semilogy(t, overlap, label="greatest overlap / smallest radius", **curve(0))
+        low.legend(loc="lower right")
+    else:
+        low.text(0.5, 0.5, "no overlap at any time", transform=low.transAxes, ha="center", va="center")
+        low.set_yticks([])
     for axes in (top, low):
         axes.grid(True)
     figure.suptitle(f"{run.title}: energy and overlap", fontsize=10)
@@ -244,7 +248,11 @@ def main(words=None):
     options.add_argument("--most", type=int, default=300, metavar="N", help="most frames of the film (default 300)")
     options.add_argument("--gif", action="store_true", help="the film as a gif even where an mp4 can be made")
     given = options.parse_args(words)
+    if given.most < 2:
+        raise BadInput(f"--most {given.most}: a film has at least 2 frames")
     run = ContactRun(given.run)
+    if not run.has("motion"):
+        raise BadInput(f"{given.run} is no run of contacts alone (it has no motion.csv); python -m tools.plot draws the others")
     out = Path(given.out or given.run)
     out.mkdir(parents=True, exist_ok=True)
     if "frames" in given.only:
