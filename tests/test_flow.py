@@ -53,9 +53,8 @@ def test_second_order_in_time(meshes, tmp_path):
     assert velocity > 1.8 and pressure > 1.4
 
 
-# The same form by FreeFEM's assembly, on an unstructured mesh with an outlet through which the
-# advecting velocity goes both ways.
-OPERATOR = """
+# An unstructured mesh with an outlet.
+OUTLET = """
 include "lib/options.idp"
 optCase("operator", "test");
 optEnd();
@@ -65,6 +64,11 @@ int[int] relabel = [1, labelWall, 2, labelOutlet, 3, labelWall, 4, labelInlet];
 Th = change(Th, label = relabel);
 Th = adaptmesh(Th, SIZE*(2 + x), IsMetric = 1, nbvx = 20000);
 int[int] flowNoSlip = [labelWall], flowMoving = [labelInlet], flowOutlet = [labelOutlet], flowSlip(0);
+"""
+
+# The same form by FreeFEM's assembly, on an unstructured mesh with an outlet through which the
+# advecting velocity goes both ways.
+OPERATOR = OUTLET + """
 real rhoFluid = 1, mu = 1;
 include "lib/convection.idp"
 matrix A = flowM;
@@ -107,16 +111,7 @@ def test_convection_operator_is_that_of_the_assembly(lift, size, off_most, freef
     assert leaving > 0 and (entering > 0) == (lift == 0)
 
 
-STABILISED = """
-include "lib/options.idp"
-optCase("operator", "test");
-optEnd();
-include "lib/labels.idp"
-mesh Th = square(5, 4, [x + 0.1*y*y, y*(1 + 0.2*x)]);
-int[int] relabel = [1, labelWall, 2, labelOutlet, 3, labelWall, 4, labelInlet];
-Th = change(Th, label = relabel);
-Th = adaptmesh(Th, 0.1*(2 + x), IsMetric = 1, nbvx = 20000);
-int[int] flowNoSlip = [labelWall], flowMoving = [labelInlet], flowOutlet = [labelOutlet], flowSlip(0);
+STABILISED = OUTLET.replace("SIZE", "0.1") + """
 real rhoFluid = 1.3, mu = 0.012, stabilise = 0.07;
 include "lib/stabilise.idp"
 stabiliseSetUp(flowM);

@@ -2,20 +2,9 @@
 import numpy as np
 import pytest
 
+from tests.test_boundaries import case
 from tools.tables import read_table
 
-SCENE = """
-include "lib/options.idp"
-optCase("resting", "bodies on the floor of a closed box");
-optDefault("-mesh", "meshes/couette_disk.mesh");
-include "lib/labels.idp"
-real rhoFluid = 1, mu = 0.05, gravityX = 0, gravityY = -1;
-int[int] flowNoSlip = [labelLeft, labelRight, labelBottom, labelTop], flowMoving(0), flowOutlet(0), flowSlip(0);
-real flowPeriodX = 0, flowPeriodY = 0, motionBound = 1e30;
-func real boundaryRamp(real t) { return 1; }
-macro caseParticles() BODIES // EOM
-include "scripts/resolved.edp"
-"""
 EXCESS = 0.5 * np.pi * 0.12**2  # weight less buoyancy of a disk of density 1.5, N/m
 BODIES = {
     "a disk": "bodyDisk(0.5, 0.12 + 1e-9, 0.12, 1.5);",
@@ -27,7 +16,7 @@ BODIES = {
 @pytest.mark.parametrize("bodies", BODIES)
 def test_the_fluid_leaves_bodies_at_rest_alone(bodies, freefem_text, run_folder):
     """The contacts carry the weight; if the fluid were let fall with the body in each step, its force would be half of it."""
-    freefem_text(SCENE.replace("BODIES", BODIES[bodies]), "-dt", 0.02, "-cfl", 0, "-tend", 1, "-forces", 1, "-out", run_folder)
+    freefem_text(case(BODIES[bodies]), "-dt", 0.02, "-cfl", 0, "-tend", 1, "-forces", 1, "-out", run_folder)
     forces, fluid, bodies = (read_table(run_folder / f"{name}.csv") for name in ("forces", "fluid", "particles"))
     last = forces["t"] > 0.9
     assert np.abs(forces["fy"][last]).max() < 0.1 * EXCESS
@@ -55,8 +44,7 @@ def test_light_bodies_in_a_row_across_the_box_come_to_rest(density, number, step
     """No gravity, pushed aside once. The fluid they push adds several times its own mass; with the accelerations of the motions before the pressure step
     in the virtual mass, rows of six swung with growing amplitude, to 1000 times their first velocity within 100 steps."""
     row = f"for (int k = 0; k < {number}; ++k) {{ bodyDisk(0.5, 0.92 - 0.155*k, 0.07, {density}); bodyQ[k] = 0.01; }}"
-    text = SCENE.replace("macro caseParticles() BODIES // EOM", f"func int caseRow() {{ {row} return {number}; }}\nmacro caseParticles() caseRow(); // EOM")
-    text = text.replace('include "lib/options.idp"', 'include "lib/bodies.idp"').replace("gravityY = -1", "gravityY = 0")
+    text = case(row).replace("gravityY = -1", "gravityY = 0")
     freefem_text(text, "-dt", step, "-cfl", 0, "-tend", 100 * step, "-out", run_folder)
     bodies = read_table(run_folder / "particles.csv")
     speed = np.hypot(bodies["u"], bodies["v"])
