@@ -57,6 +57,8 @@ def test_a_large_cylinder_can_be_moved_for_long(freefem_text, tmp_path):
 @pytest.mark.parametrize("bodies, steps, overlap", [
     ("bodyAdd(0.3, 0.5, 0.1, 1, 0, 0, 0, 0); bodyAdd(0.53, 0.5, 0.1, 1, 0, 0, 0, 0);", 5, 0.03),
     ("bodyAdd(0.85, 0.5, 0.1, 1, 0, 0, 0, 0);", 6, 0.02),
+    ("bodyAdd(0.3, 0.5, 0.1, 1, 0, 0, 0, 0); bodyAdd(0.53, 0.5, 0.1, 1, 0, 0, 0, 0); bodyEllipse(0.15, 0.85, 0.09, 0.06, 0.3, 1);", 5, 0.03),
+    ("bodyAdd(0.85, 0.5, 0.1, 1, 0, 0, 0, 0); bodyEllipse(0.15, 0.85, 0.09, 0.06, 0.3, 1);", 6, 0.02),
 ])
 def test_held_bodies_moved_into_each_other_or_a_wall_are_warned_of(bodies, steps, overlap, freefem_text, tmp_path):
     """By 0.01 a step: once said, and the least gap is the overlap after the next move."""

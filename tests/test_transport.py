@@ -54,6 +54,15 @@ def test_two_runs_with_one_seed_are_the_same_and_another_seed_differs(freefem, t
     assert texts[0] == texts[1] != texts[2]
 
 
+def test_the_fluctuations_of_a_particle_do_not_depend_on_who_else_is_there(freefem, tmp_path):
+    found = []
+    for number in (3, 5):
+        freefem(SCRIPT, "-out", tmp_path / str(number), "-turbulence", "fluctuation", "-sigma", 0.1, "-number", number, "-tend", 0.05, "-dt", 0.01)
+        found.append([row for row in rows(tmp_path / str(number) / "particles.csv") if int(row["id"]) < 3])
+    assert found[0] == found[1]
+    assert len({row["u"] for row in found[0] if row["t"] == found[0][-1]["t"]}) == 3
+
+
 def test_the_paper_s_turbulent_force_acts_across_the_flow(freefem, run_folder):
     freefem(SCRIPT, "-out", run_folder, "-flow", "uniform", "-speed", 2, "-start-u", 2, "-turbulence", "paper", "-sigma", 0.2, "-buoyancy", 0,
             "-number", 200, "-tend", 0.05, "-dt", 0.01)
