@@ -233,6 +233,18 @@ def test_a_disk_of_two_elements_is_warned_of_and_runs(freefem, tmp_path):
     assert "fewer than 2 elements" in done.stdout + done.stderr
 
 
+def test_a_disk_of_exactly_two_elements_falls_within_a_few_percent(freefem, tmp_path):
+    """Against one of 8 elements across; taken for too small to have a curved edge it errs by 23 %."""
+    fall = []
+    for cells in (8, 32):
+        path = tmp_path / f"box{cells}.mesh"
+        mesh.write(mesh.make(mesh.parser().parse_args(["box", "--width", "1", "--height", "1", "--size", str(1 / cells), "--out", str(path)]))[0], path)
+        run = run_case(freefem, tmp_path / f"run{cells}", "settling_disk", "-mesh", path, "-x", "0.5", "-y", "0.53", "-gravity", "-100", "-dt", "0.002", "-tend", "0.1")
+        fall.append(run["v"][-1])
+    assert fall[1] < -0.3
+    assert fall[0] == pytest.approx(fall[1], rel=0.04)
+
+
 @pytest.mark.parametrize("text,words", [
     ("id,x,y,radius\n0,1,1,0.1\n", "first line"),
     ("id,x,y,radius,density\n0,1,1,0.1,abc\n", "missing or bad number"),
