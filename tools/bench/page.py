@@ -106,12 +106,16 @@ def ratios(points):
 
 
 def exponents(points):
-    """Ratios at equal size, and fitted exponents of a problem whose sizes vary."""
+    """Ratios at equal size, over size 0, and fitted exponents of a problem whose sizes vary."""
     mine, lines = {p.unknowns: p.cost for p in points if p.program == "standard" and not p.note}, []
     for name, theirs in programs(points).items():
         both = [p for p in theirs if name != "standard" and not p.note and p.unknowns in mine]
         if both:
             lines.append(f"- {name} over standard: " + ", ".join(f"{p.cost / mine[p.unknowns]:.3g} at size {p.unknowns:,.0f}" for p in both))
+    for name, theirs in programs(points).items():
+        none, some = ([p for p in theirs if not p.note and (p.unknowns == 0) == empty] for empty in (True, False))
+        if none and some:
+            lines.append(f"- {name}, over size 0: " + ", ".join(f"{p.cost / none[0].cost:.3g} at size {p.unknowns:,.0f}" for p in some))
     for name, theirs in programs(points).items():
         sizes = [p.unknowns for p in theirs if not p.note and p.unknowns > 0]
         if len(set(sizes)) > 1:

@@ -1,14 +1,16 @@
 """What a step costs, and how much memory a run takes: against unknowns and against particles.
 
 Unknowns: the settling disk, from 4 elements across it. Particles: the pipe on one mesh, without
-particles in the program (scripts/flow.edp) and with 0, 1, 50 and 500 disks.
+particles in the program (scripts/flow.edp) and with 0, 1, 50 and 500 disks, in small steps while the
+inflow starts; and in the steps of the case, when the jet behind the diaphragm stands (0.23 to 0.28 s).
 """
 import functools
 
 from tools.bench.rounds import Job
-from tools.bench.scenes import mesh, pipe_step
+from tools.bench.scenes import OURS, mesh, pipe_step
 from tools.bench.timed import step_time, tree
 
+IN_JET = "standard, in the jet"
 DIAMETER = 0.25
 SETTLING = "cases/settling_disk.edp"
 
@@ -25,15 +27,16 @@ def disk_step(scheme, cells, out, steps, warm, limit):
     return {"unknowns": 2 * (2 * columns + 1) * (2 * rows + 1) + (columns + 1) * (rows + 1), "step_s": cost, "memory_mb": memory}
 
 
-def scaling_jobs(out, cells, disks, limit, size=None):
+def scaling_jobs(out, cells, disks, jet, limit, size=None):
     """cells: {program: [(elements across the disk, steps, first steps that do not count)]};
-    disks: {program: [(number or None, steps, the same)]}."""
+    disks: {program: [(number or None, steps, the same)]}; jet: such a list, of the standard scheme in the case's own steps."""
     jobs = [Job("scaling", "unknowns", program, level, functools.partial(disk_step, program, one, out, steps, warm, limit))
             for program, those in cells.items() for level, (one, steps, warm) in enumerate(those)]
     for program, those in disks.items():
         for level, (number, steps, warm) in enumerate(those):
             name = "no particles in the program" if number is None else program
             jobs.append(Job("scaling", "particles", name, level, functools.partial(pipe_step, program, number, out, steps, warm, limit, size)))
-    return jobs
+    return jobs + [Job("scaling", "particles", IN_JET, level, functools.partial(pipe_step, OURS, number, out, steps, warm, limit, size, own=True))
+                   for level, (number, steps, warm) in enumerate(jet)]
 
 
