@@ -92,6 +92,43 @@ def test_a_disk_that_enters_over_a_seam_takes_the_motion_of_the_fluid(height, fr
     assert disk["u"][0] == pytest.approx(1, abs=1e-3) and disk["omega"][0] == pytest.approx(0, abs=1e-2)
 
 
+DRAIN = "border hole(s = 0, 2*pi) { x = 0.5 + 0.15*cos(s); y = 0.5 + 0.15*sin(s); label = 2; }"
+PERIODIC = "\n".join(SEAM.splitlines()[1:4])
+
+
+def square(file, above="1 - s", edges=12, hole=""):
+    """A mesh of the unit square; above: x of the vertices on the upper side, of so many edges, by s from 0 to 1; hole: its border."""
+    return f"""
+border below(s = 0, 1) {{ x = s; y = 0; label = 13; }}
+border beside(s = 0, 1) {{ x = 1; y = s; label = 12; }}
+border upper(s = 0, 1) {{ x = {above}; y = 1; label = 14; }}
+border before(s = 1, 0) {{ x = 0; y = s; label = 11; }}
+{hole}
+savemesh(buildmesh(below(12) + beside(12) + upper({edges}) + before(12){hole and " + hole(-20)"}), "{file}");
+"""
+
+
+@pytest.mark.parametrize("upper, words", [(dict(edges=10), "lower and upper sides have 12 and 10 edges"), (dict(above="1 - s^1.1"), "lower and upper sides have their vertices at different places")])
+def test_sides_of_a_period_that_do_not_match_are_refused(upper, words, freefem_text, tmp_path):
+    """FreeFEM itself dies of them."""
+    mesh = tmp_path / "square.mesh"
+    done = freefem_text(square(mesh, **upper) + case("", walls="labelLeft, labelRight", more=PERIODIC, period=1), "-mesh", mesh, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and words in done.stderr and len(done.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_disk_goes_down_a_drain_wherever_its_period_is_counted_from(freefem_text, tmp_path):
+    """The outlet is a hole; a disk one period up goes with its image's centre, no earlier."""
+    mesh, rows = tmp_path / "square.mesh", []
+    for up in (0, 1):
+        text = square(mesh, hole=DRAIN) + case(f"bodyDisk(0.5131, {0.8531 + up}, 0.1113, 4);", walls="labelLeft, labelRight", outlet="labelOutlet", more=PERIODIC, period=1)
+        freefem_text(text.replace("gravityY = -1", "gravityY = -4"), "-mesh", mesh, "-tend", 0.8, "-every", 0, "-out", tmp_path / f"run{up}")
+        run = RunFolder(tmp_path / f"run{up}")
+        assert run.fluid["particles"][-1] == 0
+        rows.append(run.particles["y"] - up)
+    assert len(rows[0]) == len(rows[1]) and np.abs(rows[0] - rows[1]).max() < 1e-9
+
+
 def test_an_inlet_elsewhere_is_refused(freefem_text, tmp_path):
     text = case("queueAdd(0.5, 0.12, 1, 0.);", walls="labelBottom, labelTop", moving="labelRight", outlet="labelLeft", more="macro boundaryU() -1. // EOM")
     done = freefem_text(text, "-tend", 0.01, "-out", tmp_path / "run", check=False)

@@ -68,6 +68,17 @@ def test_held_bodies_moved_into_each_other_or_a_wall_are_warned_of(bodies, steps
     assert RunFolder(tmp_path / "run").fluid["worst_gap"].min() == pytest.approx(-overlap, abs=1e-9)
 
 
+def test_a_held_ellipse_in_a_wall_leaves_the_contacts_of_others_alone(freefem_text, tmp_path):
+    """A disk rests on the floor while the ellipse is moved into the right wall; nothing that cannot move presses."""
+    text = scene("int d = bodyAdd(0.84, 0.7, 0.1, 1, 0, 0, 0, 0); bodyAspect[d] = 0.6; bodyDisk(0.3, 0.1001, 0.1, 20);", "givenMotion(0, 0.5, 0, 0);").replace("gravityY = 0", "gravityY = -1")
+    done = freefem_text(text, "-dt", 0.01, "-cfl", 0, "-every", 0, "-tend", 0.2, "-out", tmp_path / "run")
+    assert (done.stdout + done.stderr).count("overlap by") == 1
+    contacts = RunFolder(tmp_path / "run").table("contacts")
+    assert set(contacts["i"]) == {1}
+    weight = 19 * np.pi * 0.1**2 * 0.01  # in a step
+    assert contacts["impulse"][contacts["t"] > 0.1] == pytest.approx(weight, rel=0.1)
+
+
 def test_a_body_that_moves_freely_cannot_be_given_a_motion(freefem_text, tmp_path):
     text = scene("bodyDisk(0.5, 0.5, 0.16, 1);", "givenMotion(0, 1, 0, 0);")
     done = freefem_text(text, "-tend", 0.1, "-out", tmp_path / "run", check=False)

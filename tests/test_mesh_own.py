@@ -34,6 +34,7 @@ def made(folder, text, *words, name="my.geo"):
 def test_a_script_becomes_a_mesh_with_the_labels_of_its_names(tmp_path, freefem_text):
     done = made(tmp_path, SCRIPT, "--size", 0.1)
     assert done.returncode == 0, done.stderr
+    assert re.match(r"warning: 10 edges of physical curves of .* lie within the domain, one from \(3, ", done.stderr)  # the lid
     mesh = read(tmp_path / "my.mesh")
     assert faults(mesh, None) == []
     lengths = np.linalg.norm(np.diff(mesh.points[mesh.edges], axis=1)[:, 0], axis=1)

@@ -263,10 +263,10 @@ def test_a_bad_list_of_particles_is_refused(freefem, tmp_path, text, words):
 
 
 def test_what_windows_and_spreadsheets_write_is_read(freefem_text, tmp_path):
-    """Numbers such as 5., line ends and a byte order mark of Windows, in particles and in a mesh."""
+    """Numbers such as 5., blanks beside names and numbers, line ends and a byte order mark of Windows, in particles and in a mesh."""
     mesh = (ROOT / "meshes/cavity.mesh").read_bytes()
     (tmp_path / "windows.mesh").write_bytes(mesh.replace(b"\n", b"\r\n"))
-    (tmp_path / "windows.csv").write_bytes(b"\xef\xbb\xbfid,x,y,radius,density\r\n7,5.,-.5,1.e-1,2\r\n9,3, 4.e0 ,1,2.\r\n")
+    (tmp_path / "windows.csv").write_bytes(b"\xef\xbb\xbfid, x,y , radius,density\r\n7,5.,-.5,1.e-1,2\r\n9,3, 4.e0 ,1,2.\r\n")
     got = freefem_text(f"""include "lib/bodies.idp"
 include "lib/mesh.idp"
 bodyRead("{tmp_path}/windows.csv");

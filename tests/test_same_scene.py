@@ -19,16 +19,16 @@ savemesh(buildmesh(below(36) + out(18) + above(36) + into(18)), "{file}");
 SCENE = """
 include "lib/options.idp"
 optCase("same_scene", "a scene of tests/test_same_scene.py");
-optDefault("-dt", "0.04");
-optDefault("-tend", "1.6");
-optDefault("-every", "0.08");
-real unit = {unit:.17g}, rhoFluid = {density:.17g}, mu = 0.02*rhoFluid*unit^2, gravityX = {gravity[0]:.17g}, gravityY = {gravity[1]:.17g};
+optDefault("-dt", "{dt:.17g}");
+optDefault("-tend", "{end:.17g}");
+optDefault("-every", "{every:.17g}");
+real unit = {unit:.17g}, rhoFluid = {density:.17g}, mu = {viscosity:.17g}*rhoFluid*unit^2, gravityX = {gravity[0]:.17g}, gravityY = {gravity[1]:.17g};
 include "lib/labels.idp"
 int[int] flowNoSlip = [{walls}], flowMoving = [labelInlet], flowOutlet = [labelOutlet], flowSlip{slip};
 func real up(real a, real b) {{ return (a - {origin[0]:.17g})/unit*{turn[0][1]:.17g} + (b - {origin[1]:.17g})/unit*{turn[1][1]:.17g}; }}
 macro boundaryU() ({stream[0]:.17g}*up(x, y)*(2 - up(x, y))) // EOM
 macro boundaryV() ({stream[1]:.17g}*up(x, y)*(2 - up(x, y))) // EOM
-func real boundaryRamp(real t) {{ return min(1., t/0.2); }}
+func real boundaryRamp(real t) {{ return min(1., t/{ramp:.17g}); }}
 real flowPeriodX = 0, flowPeriodY = 0, motionBound = 1e30;
 macro caseParticles() {{
 {bodies}
@@ -51,8 +51,8 @@ def channel(tmp_path_factory):
     return read_mesh(folder / "channel.mesh")
 
 
-def motion(channel, folder, turn=np.eye(2), origin=(0.0, 0.0), unit=1.0, density=1.0, slip=False):
-    """Rows t, id, x, y, u, v, omega of the scene, in its own units and axes."""
+def motion(channel, folder, turn=np.eye(2), origin=(0.0, 0.0), unit=1.0, second=1.0, density=1.0, slip=False):
+    """Rows t, id, x, y, u, v, omega of the scene, in its own units and axes; unit, second: its units of length and time."""
     turn, origin = np.asarray(turn, float), np.asarray(origin, float)
     folder.mkdir()
     mirrored = np.linalg.det(turn) < 0
@@ -64,13 +64,14 @@ def motion(channel, folder, turn=np.eye(2), origin=(0.0, 0.0), unit=1.0, density
         sizes = f"{long * unit:.17g}, {short * unit:.17g}, {np.arctan2(axis[1], axis[0]):.17g}" if long > short else f"{long * unit:.17g}"
         bodies.append(f"    {'bodyEllipse' if long > short else 'bodyDisk'}({centre[0]:.17g}, {centre[1]:.17g}, {sizes}, {ratio * density:.17g});")
     (folder / "scene.edp").write_text(SCENE.format(
-        unit=unit, density=density, gravity=turn @ (0, -1) * unit, stream=turn @ (2, 0) * unit, origin=origin, turn=turn, bodies="\n".join(bodies),
+        dt=0.04 * second, end=1.6 * second, every=0.08 * second, ramp=0.2 * second, viscosity=0.02 / second,
+        unit=unit, density=density, gravity=turn @ (0, -1) * unit / second**2, stream=turn @ (2, 0) * unit / second, origin=origin, turn=turn, bodies="\n".join(bodies),
         walls="labelWall" if slip else "labelWall, labelTop", slip=" = [labelTop]" if slip else "(0)"))
     run_freefem(folder / "scene.edp", "-mesh", folder / "moved.mesh", "-out", folder / "run")
     rows = RunFolder(folder / "run").particles
     places = (np.column_stack([rows["x"], rows["y"]]) - origin) / unit @ turn
-    speeds = np.column_stack([rows["u"], rows["v"]]) / unit @ turn
-    return np.column_stack([rows["t"], rows["id"], places, speeds, rows["omega"] * (-1 if mirrored else 1)])
+    speeds = np.column_stack([rows["u"], rows["v"]]) / unit * second @ turn
+    return np.column_stack([rows["t"] / second, rows["id"], places, speeds, rows["omega"] * second * (-1 if mirrored else 1)])
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +88,7 @@ def as_it_is(channel, tmp_path_factory):
 
 
 # far away the places have fewer digits; the solvers' tolerances do not matter, as the nodes keep their order
-MOVES = {"centimetres and grams": (dict(unit=100.0, density=1e-3), 1e-9), "far away": (dict(origin=(1000.0, -500.0)), 1e-6), "a quarter turn": (dict(turn=[[0, -1], [1, 0]]), 1e-9),
+MOVES = {"centimetres and grams": (dict(unit=100.0, density=1e-3), 1e-9), "thousandths of a second": (dict(second=1000.0), 1e-9), "far away": (dict(origin=(1000.0, -500.0)), 1e-6), "a quarter turn": (dict(turn=[[0, -1], [1, 0]]), 1e-9),
          "a small turn": (dict(turn=turned(0.5)), 1e-9), "mirrored": (dict(turn=[[-1, 0], [0, 1]]), 1e-9), "upside down": (dict(turn=[[1, 0], [0, -1]]), 1e-9),
          "a plane of symmetry, a quarter turn": (dict(turn=[[0, -1], [1, 0]], slip=True), 1e-9)}
 

@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from tests.synthetic import ROOT, write_run
 from tools import convergence, quantities, study
 from tools.command import BadInput
+from tools.mesh_files import read_mesh
 from tools.run_folder import RunFolder
 from tools.runner import run_command
 
@@ -209,6 +210,18 @@ def test_a_case_without_a_recipe_is_told_so_before_anything_runs(case, tmp_path,
     with pytest.raises(BadInput, match=f"no recipe {name}, .* --recipe .*settling_disk"):
         study.main([str(case), "--meshsize", "0.1", "--quantity", "final_y", "--out", str(tmp_path / "out"), *more])
     assert not (tmp_path / "out").exists()
+
+
+def test_a_recipe_may_have_options_and_a_study_of_steps_a_mesh_of_its_own(case, tmp_path):
+    words = [str(case), "--quantity", "mean_v", "--out", str(tmp_path / "out"), "--dt", "0.1", "0.05"]
+    assert study.main([*words, "--meshsize", "0.5", "--recipe", "box --sides named --width 1 --height 1"]) == 0
+    made, = (tmp_path / "out" / "meshes").glob("*.mesh")
+    assert made.name == "box_sides_named_width_1_height_1_0.5.mesh" and set(read_mesh(made).labels) == {11, 12, 13, 14}
+    before = rows_of(tmp_path / "out")
+    assert study.main([*words, "--", "-mesh", str(made)]) == 0
+    assert [row["value"] for row in rows_of(tmp_path / "out")] == [row["value"] for row in before]
+    with pytest.raises(BadInput, match="-mesh is set by the study"):
+        study.main([*words, "--meshsize", "0.5", "--", "-mesh", str(made)])
 
 
 def test_every_quantity_has_a_whole_sentence_in_the_help():

@@ -24,6 +24,7 @@ import json
 import math
 import os
 import re
+import shlex
 import statistics
 import sys
 import time
@@ -68,38 +69,39 @@ class Study:
         return Path(self.script).stem
 
 
-def require_recipe(name):
-    """Raises BadInput where tools.mesh has no recipe of this name."""
-    from tools.meshing import CASES
-    if name not in CASES:
+def require_recipe(recipe):
+    """Raises BadInput where tools.mesh has no recipe of this name (its first word)."""
+    from tools.meshing import RECIPES
+    name = recipe.split(maxsplit=1)[0] if recipe.split() else ""
+    if name not in RECIPES:
         raise BadInput(f"tools.mesh has no recipe {name}, which --meshsize needs: name one with --recipe "
-                       f"({', '.join(sorted(CASES))}), or leave --meshsize out and study --dt on the case's own mesh")
+                       f"({', '.join(sorted(RECIPES))}), or leave --meshsize out and study --dt on the case's own mesh")
 
 
 def make_mesh(study, size):
     """The mesh file of an element size, made by tools.mesh unless it is there already.
     Raises BadInput with the reason."""
-    recipe = study.recipe or study.case
-    path = Path(study.out) / "meshes" / f"{recipe}_{size:g}.mesh"
-    makers = [*ROOT.glob("tools/mesh.py"), *ROOT.glob("tools/meshing/*.py")]
+    recipe = shlex.split(study.recipe or study.case)
+    path = Path(study.out) / "meshes" / f"{re.sub('[^A-Za-z0-9.]+', '_', ' '.join(recipe))}_{size:g}.mesh"
+    makers = [*ROOT.glob("tools/mesh.py"), *ROOT.glob("tools/meshing/*.py"), *(ROOT / word for word in recipe[1:] if (ROOT / word).is_file())]
     if path.is_file() and all(path.stat().st_mtime > maker.stat().st_mtime for maker in makers):
         return path
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name("part_" + path.name)
-    done = run_command([sys.executable, "-m", "tools.mesh", recipe, "--size", f"{size:.12g}", "--out", part])
+    done = run_command([sys.executable, "-m", "tools.mesh", *recipe, "--size", f"{size:.12g}", "--out", part])
     if not done.ok or not part.is_file():
         raise BadInput(f"no mesh of size {size:g}: {done.reason or 'tools.mesh wrote none'}")
     os.replace(part, path)
     return path
 
 
-def fingerprint(script, options, mesh=None):
-    """What a run depends on, as a short hash: script, libraries, options, mesh (None: the case's own), program."""
+def fingerprint(script, options):
+    """What a run depends on, as a short hash: script, libraries, options, the files they name (without -mesh the case's own mesh), program."""
     total = hashlib.sha256(json.dumps([script, sorted(map(str, options.items())), freefem()]).encode())
     files = [ROOT / script, *itertools.chain(*(sorted(ROOT.glob(pattern)) for pattern in SOURCES))]
     own = re.search(r'optDefault\("-mesh", "([^"]+)"\)', files[0].read_text(encoding="utf-8"))
-    inputs = [ROOT / str(value) for name, value in options.items() if name != "-mesh" and (ROOT / str(value)).is_file()]
-    for path in files + ([mesh] if mesh else [ROOT / own[1]] if own else []) + inputs:
+    inputs = [ROOT / str(value) for value in options.values() if (ROOT / str(value)).is_file()]
+    for path in files + ([ROOT / own[1]] if own and "-mesh" not in options else []) + inputs:
         total.update(path.read_bytes())
     return total.hexdigest()[:20]
 
@@ -117,7 +119,7 @@ def one_run(study, size, dt, mesh):
         options["-mesh"] = str(mesh)
     if dt is not None:
         options["-dt"] = float(dt)
-    key = fingerprint(study.script, options, mesh)
+    key = fingerprint(study.script, options)
     try:
         old = json.loads(note.read_text())
     except (OSError, ValueError):
@@ -272,15 +274,15 @@ def parser():
     options.add_argument("--repeat", type=int, default=1, metavar="N", help="runs of each, the median time counts (default 1)")
     options.add_argument("--limit", type=positive, metavar="S", help="stop a run after so many seconds: a row with that reason")
     options.add_argument("--retry", action="store_true", help="run again what failed before")
-    options.add_argument("--recipe", metavar="NAME", help="recipe of tools.mesh (default: the case's name)")
+    options.add_argument("--recipe", metavar="WORDS", help="recipe of tools.mesh, with options of its own in the same quotes (default: the case's name)")
     return options
 
 
-def case_options(words):
-    """["-mu", "0.1"] as a dict."""
+def case_options(words, own_mesh=False):
+    """["-mu", "0.1"] as a dict; own_mesh: the study makes no meshes, and -mesh may be there."""
     if len(words) % 2 or any(not re.match(r"-[A-Za-z]", name) for name in words[::2]):
         raise BadInput("behind -- stand options of the case, each a name with - and a value")
-    taken = set(words[::2]) & {"-dt", "-mesh", "-out"}
+    taken = set(words[::2]) & ({"-dt", "-out"} if own_mesh else {"-dt", "-mesh", "-out"})
     if taken:
         raise BadInput(f"{taken.pop()} is set by the study; give --dt, --meshsize or --out before --")
     return dict(zip(words[::2], words[1::2]))
@@ -302,7 +304,7 @@ def main(words=None, mesh_maker=make_mesh):
             raise BadInput(f"{name} names one value twice")
     script = os.path.relpath(Path(given.script).resolve(), ROOT) if Path(given.script).is_file() else given.script
     study = Study(script, given.meshsize or [None], given.dt or [None], given.quantity, given.reference,
-                  case_options(words[cut + 1:]), given.out and Path(given.out), given.jobs, given.timing, given.repeat,
+                  case_options(words[cut + 1:], own_mesh=not given.meshsize), given.out and Path(given.out), given.jobs, given.timing, given.repeat,
                   given.limit, given.retry, given.recipe, given.quantities, given.order)
     records, references = run_study(study, mesh_maker, say=lambda line: print(line, flush=True))
     for line in report(study, records, references):

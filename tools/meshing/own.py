@@ -7,9 +7,11 @@ is the label:
     Physical Curve("wall") = {1, 3}; Physical Curve("inlet") = {4}; Physical Curve("outlet") = {2};
     Physical Surface("fluid") = {1};
 
-A script is meshed with its own element sizes, or with --size where those are larger. Sides of a
-period need matching nodes (gmsh: Periodic Curve).
+A physical curve within the domain is left out, with a warning. A script is meshed with its own
+element sizes, or with --size where those are larger. Sides of a period need matching nodes (gmsh:
+Periodic Curve).
 """
+import sys
 from functools import partial
 from pathlib import Path
 
@@ -82,8 +84,14 @@ def number_of(name, group, source):
 
 def named(points, edges, labels, source):
     """The labels of boundary edges, by their places."""
-    found = np.array([labels.get(places(edge), 0) for edge in points[edges]])
+    sides = [places(edge) for edge in points[edges]]
+    found = np.array([labels.get(edge, 0) for edge in sides])
     if np.any(found == 0):
         a, b = points[edges[found == 0][0]]
         raise BadInput(f"{np.sum(found == 0)} boundary edges of '{source}' belong to no physical curve, the first from ({a[0]:g}, {a[1]:g}) to ({b[0]:g}, {b[1]:g}): name every side")
+    inner = set(labels).difference(sides)
+    if inner:
+        a, b = min(sorted(edge) for edge in inner)
+        print(f"warning: {len(inner)} edges of physical curves of '{source}' lie within the domain, one from ({a[0]:g}, {a[1]:g}) to ({b[0]:g}, {b[1]:g}), and are left out: "
+              "a wall within the fluid needs two sides, cut it out as a thin hole", file=sys.stderr)
     return found
