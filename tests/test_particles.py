@@ -3,9 +3,11 @@ import numpy as np
 import pytest
 
 from tools import mesh
+from tools.run_folder import RunFolder
 from tools.tables import read_table
 from tools.validation.particles import started
 from tests.conftest import ROOT
+from tests.test_boundaries import case
 
 # A box of N x N cells with disks; prints the rigid nodes. PERIODIC and DISKS are filled in.
 SETS = """
@@ -191,6 +193,15 @@ def test_the_body_fitted_reference_is_that_of_its_script(freefem, tmp_path):
     for t, most in ((0.1, 5e-4), (0.2, 1e-4)):
         found, exact = (np.interp(t, table["t_s"], table["v_cm_per_s"]) for table in (coarse, fine))
         assert found == pytest.approx(exact, rel=most)
+
+
+def test_a_heavy_disk_leaves_the_solver_s_care_to_a_light_one(freefem_text, tmp_path):
+    """The tolerance is on the loads of the fluid; on those of a disk of 1e5 times its density the light one's velocity errs by 2 %."""
+    found = []
+    for tolerance in (1e-5, 1e-10):
+        freefem_text(case("bodyDisk(0.27, 0.6, 0.11, 1.1); bodyDisk(0.74, 0.7, 0.12, 1e5);"), "-tolerance", tolerance, "-tend", 0.3, "-every", 0, "-out", tmp_path / f"run{tolerance}")
+        found.append(RunFolder(tmp_path / f"run{tolerance}").tracks[0]["v"][-1])
+    assert found[0] == pytest.approx(found[1], rel=1e-3)
 
 
 def test_a_neutral_disk_stays_at_rest(freefem, tmp_path):
