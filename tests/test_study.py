@@ -232,7 +232,8 @@ def test_every_quantity_has_a_whole_sentence_in_the_help():
 def ended_by(number, words, folder):
     """Starts a tool whose case writes its process number to folder/pid, ends it by a signal;
     returns its status, what it said, and whether the case is still there."""
-    process = subprocess.Popen([sys.executable, *words], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen([sys.executable, *words], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))  # tests in the background would have it ignored
     until = time.monotonic() + 20
     while not (folder / "pid").is_file() and time.monotonic() < until:
         time.sleep(0.05)
