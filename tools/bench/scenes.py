@@ -12,6 +12,7 @@ import numpy as np
 
 from tools import bench_contacts, bench_flow, quantities
 from tools.bench.rounds import Job
+from tools.bench.skip import PIPE_STEP
 from tools.bench.timed import step_time, tree
 from tools.command import ROOT, BadInput
 from tools.run_folder import RunFolder
@@ -120,15 +121,12 @@ def lattice_of_disks(number, path):
     return path
 
 
-START = {"-dt": 0.0005, "-cfl": 0, "-every": 1000, "-ramp": 0.01}  # of the pipe: small steps while the inflow starts
-
-
 def pipe_step(scheme, number, out, steps, warm, limit, size=None, own=False):
     """Cost of a step of the pipe with `number` disks in it; None: no particles in the program either. own: in the case's own time steps
     (at most 0.32 s of them), not small ones at the start."""
     script = PIPE if number is not None else "cases/pipe_jet.edp"
     folder = tree(out / "trees" / f"pipe_{scheme}_{number}", script, steps, warm)
-    options = {"-every": 1000, "-tend": 0.32} if own else {**START, "-tend": START["-dt"] * (steps + 2)}
+    options = {"-every": 1000, "-tend": 0.32} if own else {**PIPE_STEP, "-tend": PIPE_STEP["-dt"] * (steps + 2)}
     if size:
         options["-mesh"] = str(mesh("pipe_obstacles", f"pipe_{size:g}", out, "--size", f"{size:g}"))
     if number is None:
