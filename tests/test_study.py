@@ -196,7 +196,8 @@ def test_pareto_points_are_those_that_nothing_beats(points):
     ["CASE", "--quantity", "mean_v", "--meshsize", "-1"], ["CASE", "--quantity", "mean_v", "--dt", "fast"],
     ["CASE", "--quantity", "mean_v", "--reference", "1", "2"], ["CASE", "--quantity", "mean_v", "--dt", "0.1", "0.1"],
     ["CASE", "--quantity", "mean_v", "--", "-dt", "0.1"], ["CASE", "--quantity", "mean_v", "--", "mu"],
-    ["CASE", "--quantity", "mean_v", "--quantities", "nothing.py"]])
+    ["CASE", "--quantity", "mean_v", "--quantities", "nothing.py"],
+    ["CASE", "--quantity", "mean_v", "--meshsize", "0.1", "--recipe", "box --width '1"]])
 def test_bad_input_is_one_line_and_status_3(case, tmp_path, words):
     words = [str(case) if word == "CASE" else word for word in words]
     words[1:1] = ["--out", str(tmp_path / "out")] if len(words) > 1 else []

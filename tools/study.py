@@ -70,9 +70,12 @@ class Study:
 
 
 def require_recipe(recipe):
-    """Raises BadInput where tools.mesh has no recipe of this name (its first word)."""
+    """Raises BadInput where tools.mesh has no recipe of this name (its first word), or a quote in it does not close."""
     from tools.meshing import RECIPES
-    name = recipe.split(maxsplit=1)[0] if recipe.split() else ""
+    try:
+        name = (shlex.split(recipe) or [""])[0]
+    except ValueError as problem:
+        raise BadInput(f"--recipe {recipe}: {problem}") from None
     if name not in RECIPES:
         raise BadInput(f"tools.mesh has no recipe {name}, which --meshsize needs: name one with --recipe "
                        f"({', '.join(sorted(RECIPES))}), or leave --meshsize out and study --dt on the case's own mesh")
