@@ -272,3 +272,33 @@ def test_a_heap_of_equal_disks_comes_to_rest_at_a_tight_residual(freefem, tmp_pa
     assert motion["kinetic_energy"][-1] < 1e-8 * motion["kinetic_energy"].max()
     assert motion["worst_gap"].min() > -1e-10 * 0.06
     assert motion["residual"].max() <= 1e-11
+
+
+GATE = """
+include "lib/options.idp"
+include "lib/bodies.idp"
+include "lib/walls.idp"
+optCase("gate", "a scene of tests/test_contact_motion.py");
+optDefault("-dt", "0.01");
+real gravityX = 0, gravityY = -1;
+macro caseParticles() bodyDisk(0, 0.1, 0.1, 1); // EOM
+macro caseWalls() { contactWallSegment(-1, -1, 1, -1); contactWallSegment(-0.5, 0, 0.5, 0); } // EOM
+macro caseStep() contactWallVelocity(1, step > 10, 0); // EOM
+include "scripts/contacts.edp"
+"""
+
+
+def test_walls_that_move_are_written_where_they_are(freefem_text, tmp_path):
+    from tools.plot_contacts import ContactRun
+    freefem_text(GATE, "-tend", 0.5, "-every", 0.1, "-out", tmp_path / "run")
+    run = ContactRun(tmp_path / "run")
+    np.testing.assert_allclose(run.walls_at(0.0), run.walls)
+    moved = run.walls_at(0.4)
+    np.testing.assert_allclose(moved[0], run.walls[0])
+    np.testing.assert_allclose(moved[1], run.walls[1] + [0.3, 0], atol=1e-9)
+
+
+def test_contacts_end_at_the_end(freefem_text, tmp_path):
+    freefem_text(GATE, "-dt", 0.03, "-tend", 0.1, "-out", tmp_path / "run")
+    from tools.tables import read_table
+    assert read_table(tmp_path / "run/motion.csv")["t"][-1] == pytest.approx(0.1, rel=1e-12)

@@ -97,3 +97,23 @@ def test_a_case_runs_on_such_a_mesh(tmp_path, freefem):
     freefem(script, "-mesh", tmp_path / "my.mesh", "-tend", 0.02, "-out", tmp_path / "run")
     v = RunFolder(tmp_path / "run").particles["v"]
     assert len(v) >= 2 and v[-1] < 0
+
+
+PIECES = """
+Point(1) = {0, 0, 0, 0.3}; Point(2) = {1, 0, 0, 0.3}; Point(3) = {1, 1, 0, 0.3}; Point(4) = {0, 1, 0, 0.3};
+Point(5) = {2, 0, 0, 0.3}; Point(6) = {3, 0, 0, 0.3}; Point(7) = {3, 1, 0, 0.3}; Point(8) = {2, 1, 0, 0.3};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
+Line(5) = {5, 6}; Line(6) = {6, 7}; Line(7) = {7, 8}; Line(8) = {8, 5};
+Curve Loop(1) = {1, 2, 3, 4}; Curve Loop(2) = {5, 6, 7, 8};
+Plane Surface(1) = {1}; Plane Surface(2) = {2};
+Physical Curve("wall") = {1, 2, 3, 4, 5, 6, 7, 8};
+"""
+
+
+@pytest.mark.parametrize("text, words, status, what", [
+    (PIECES, [], 4, "2 pieces"), (SCRIPT + "Exit;\n", [], 3, "the command Exit"), (SCRIPT, ["--size", 1e-5], 3, "makes more than"),
+    (SCRIPT + 'Physical Curve("outlet", 99) = {1};\n', [], 3, "in two physical curves")])
+def test_domains_that_are_none_are_refused(text, words, status, what, tmp_path):
+    done = made(tmp_path, text, *words)
+    assert done.returncode == status and what in done.stderr and done.stderr.count("\n") == 1
+    assert not (tmp_path / "my.mesh").exists()

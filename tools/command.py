@@ -46,12 +46,12 @@ def guarded(main):
     except BadInput as problem:
         print("error: " + " ".join(str(problem).split()), file=sys.stderr)
         sys.exit(BAD_INPUT)
-    except PermissionError as problem:
-        print(f"error: cannot write or read {problem.filename}: {problem.strerror}", file=sys.stderr)
-        sys.exit(BAD_INPUT)
     except BrokenPipeError:  # the reader of our output has gone (| head)
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(0)
+    except OSError as problem:  # no permission, a full disk
+        print(f"error: cannot write or read {problem.filename or 'a file'}: {problem.strerror or problem}", file=sys.stderr)
+        sys.exit(BAD_INPUT)
     except Ended as problem:
         number = problem.args[0]
         print(f"stopped by {signal.Signals(number).name}", file=sys.stderr)

@@ -3,7 +3,7 @@
     python -m tools.plot_contacts results/falling_particles/run_001
     python -m tools.plot_contacts RUN --times 0 1 10 20 60 80 100 --only frames chains
 
-Reads particles.csv, contacts.csv, motion.csv and walls.csv of the run; leaves frames.png
+Reads particles.csv, contacts.csv, motion.csv, walls.csv and wallmoves.csv of the run; leaves frames.png
 (positions left, velocities right), chains.png (forces at the last time), energy.png and
 film.mp4 (a gif where no mp4 can be made). Colours: viridis for speeds.
 """
@@ -34,6 +34,20 @@ class ContactRun(RunFolder):
             return np.zeros((0, 2, 2))
         table = read_table(self.folder / "walls.csv")
         return np.column_stack([table[c] for c in ("x1", "y1", "x2", "y2")]).reshape(-1, 2, 2)
+
+    @cached_property
+    def _moves(self):
+        return read_table(self.folder / "wallmoves.csv") if self.has("wallmoves") else None
+
+    def walls_at(self, t):
+        """Segments (S, 2, 2), those that have moved where they are at the time t."""
+        walls = self.walls
+        if self._moves is not None:
+            walls, rows = walls.copy(), self._moves
+            last = {int(-1 - rows["wall"][k]): k for k in np.flatnonzero(rows["t"] <= t * (1 + 1e-12))}
+            for wall, k in last.items():
+                walls[wall] = [[rows["x1"][k], rows["y1"][k]], [rows["x2"][k], rows["y2"][k]]]
+        return walls
 
     @cached_property
     def _starts(self):
@@ -83,7 +97,7 @@ def chosen(run, number=7):
 
 def draw(axes, run, frame, speed=None, size=None):
     """Walls and disks; with `speed` (LogNorm) disks are filled by it. Returns the disks."""
-    axes.add_collection(LineCollection(run.walls, color="black", linewidth=1.0, capstyle="round", zorder=4))
+    axes.add_collection(LineCollection(run.walls_at(frame["t"][0]), color="black", linewidth=1.0, capstyle="round", zorder=4, label="walls"))
     width = 2 * frame["radius"]
     thin = 0.4 if len(width) < 1000 else 0.1
     disks = EllipseCollection(width, width, np.zeros(len(width)), units="xy", offsets=np.column_stack([frame["x"], frame["y"]]),
@@ -218,6 +232,7 @@ def shots(run, places):
         frame = run.frame(k)
         disks.set_offsets(np.column_stack([frame["x"], frame["y"]]))
         disks.set_array(np.clip(frame["speed"], *run.speeds))
+        next(part for part in axes.collections if part.get_label() == "walls").set_segments(run.walls_at(run.times[k]))
         axes.set_title(time_text(round(run.times[k], 3)), pad=4)
         figure.canvas.draw()
         picture = np.asarray(figure.canvas.buffer_rgba())[:, :, :3]

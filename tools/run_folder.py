@@ -19,6 +19,9 @@ from tools.mesh_files import read_field, read_mesh
 from tools.tables import read_table
 
 SI = {"length": "m", "time": "s", "mass": "kg"}
+SYMBOLS = {"length": "L", "time": "T", "mass": "M"}  # of a case whose own parameters have no units
+SMALLER = {"length": ("cm", "mm", "um", "km"), "time": ("ms", "us", "min"), "mass": ("g", "mg", "ug", "t")}
+DRIVER = {"-tend", "-dt", "-every", "-fields", "-maxwall", "-penalty"}  # options with units that every case has, whatever its own
 
 
 class RunFolder:
@@ -57,11 +60,16 @@ class RunFolder:
 
     @cached_property
     def units(self):
-        """Names of the units of length, time and mass: those of SI, or of the cgs system
-        where the units of the run's options (run.json: units) speak of cm or g."""
-        units = self.info.get("units") or {}
-        words = set(re.findall("[A-Za-z]+", " ".join(str(unit) for unit in units.values())))
-        return {"length": "cm", "time": "s", "mass": "g"} if words & {"cm", "g"} else SI
+        """Names of the units of length, time and mass: those of which the case's own options (run.json: units)
+        speak, else those of SI (g with cm); L, T and M where none of these options has a unit."""
+        own = [str(unit) for name, unit in (self.info.get("units") or {}).items() if name not in DRIVER]
+        if own and not any(own):
+            return SYMBOLS
+        words = set(re.findall("[A-Za-z]+", " ".join(own)))
+        names = {kind: next((name for name in choices if name in words), SI[kind]) for kind, choices in SMALLER.items()}
+        if names["length"] == "cm" and "kg" not in words and names["mass"] == "kg":
+            names["mass"] = "g"
+        return names
 
     @cached_property
     def period(self):

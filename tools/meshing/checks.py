@@ -22,6 +22,9 @@ def faults(mesh, outline, tolerance=1e-9):
         found.append(f"the triangles cover {areas.sum():.12g}, the domain is {outline.area():.12g}")
     if len(np.unique(mesh.triangles)) != len(mesh.points):
         found.append("a vertex belongs to no triangle")
+    pieces = pieces_of(mesh.triangles, len(mesh.points))
+    if pieces > 1:
+        found.append(f"the triangles make {pieces} pieces that share no vertex: join the surfaces (in gmsh BooleanFragments or Coherence), or mesh one")
 
     edges, count = edges_of(mesh.triangles)
     if count.max() > 2:
@@ -38,6 +41,18 @@ def faults(mesh, outline, tolerance=1e-9):
         if not np.isclose(there, expected, rtol=tolerance, atol=0):
             found.append(f"edges labelled {NAMES[label]} sum to {there:.12g}, its sides to {expected:.12g}")
     return found
+
+
+def pieces_of(triangles, number):
+    """How many pieces the triangles make that share no vertex."""
+    piece, before = np.arange(number), None
+    while before is None or np.any(piece != before):
+        before = piece.copy()
+        least = piece[triangles].min(axis=1)
+        for corner in triangles.T:
+            np.minimum.at(piece, piece[corner], least)
+        piece = piece[piece]
+    return len(np.unique(piece[np.unique(triangles)]))
 
 
 def summary(mesh):

@@ -11,6 +11,7 @@ A physical curve within the domain is left out, with a warning. A script is mesh
 element sizes, or with --size where those are larger. Sides of a period need matching nodes (gmsh:
 Periodic Curve).
 """
+import re
 import sys
 from functools import partial
 from pathlib import Path
@@ -24,6 +25,7 @@ from tools.meshing.plane_mesh import finished
 from tools.meshing.unstructured import extracted, with_gmsh
 
 KINDS = (".geo", ".msh")
+MOST = 1e8  # squares of the element size in the box round a domain
 
 
 def add_options(parser):
@@ -44,9 +46,14 @@ def build(options):
 
 def read(gmsh, source, size):
     """The PlaneMesh of a file, meshed if it is a script. Raises BadInput."""
+    if source.suffix == ".geo" and re.search(r"^[ \t]*Exit[ \t]*;", source.read_text(encoding="utf-8", errors="replace"), re.MULTILINE):
+        raise BadInput(f"'{source}' has the command Exit, which ends the program before there is a mesh: take it out")
     gmsh.open(str(source))
     if source.suffix == ".geo":
         if size:
+            x0, y0, _, x1, y1, _ = gmsh.model.getBoundingBox(-1, -1)
+            if (x1 - x0) * (y1 - y0) / size**2 > MOST:
+                raise BadInput(f"--size {size:g} makes more than {MOST:g} triangles of a domain of {x1 - x0:g} times {y1 - y0:g}")
             gmsh.option.setNumber("Mesh.MeshSizeMax", size)
         gmsh.model.mesh.generate(2)
     elif size:
@@ -64,7 +71,9 @@ def read(gmsh, source, size):
         label = number_of(gmsh.model.getPhysicalName(dimension, group), group, source)
         for curve in gmsh.model.getEntitiesForPhysicalGroup(dimension, group):
             _, ends = gmsh.model.mesh.getElementsByType(1, curve)
-            labels |= dict.fromkeys(map(places, points[number[ends.astype(int)].reshape(-1, 2)]), label)
+            for edge in map(places, points[number[ends.astype(int)].reshape(-1, 2)]):
+                if labels.setdefault(edge, label) != label:
+                    raise BadInput(f"'{source}' has a side in two physical curves, of labels {labels[edge]} and {label}: name it once")
     return finished(points, triangles, partial(named, labels=labels, source=source))
 
 
