@@ -132,6 +132,7 @@ int[int] at(Xh.ndof);
 at = lround(nu[]);
 newtonState(0:NWh.ndof - 1) = newtonU[];
 newtonState(NWh.ndof:2*NWh.ndof - 1) = newtonV[];
+newtonP[] /= newtonSpeed;
 newtonState(2*NWh.ndof:newtonState.n - 1) = newtonP[];
 func real apart() {
     newtonShow();
@@ -360,3 +361,20 @@ def test_the_pictures_are_drawn(freefem, run_folder, coarse_pipe):
     for name in ("streamlines", "speed", "pressure", "walls"):
         assert (run_folder / f"{name}.png").stat().st_size > 5000
     assert not (run_folder / "k.png").exists()
+
+
+def test_the_steady_flow_does_not_hang_on_units(freefem, tmp_path):
+    """Reynolds number 20 in any units: the same drag coefficient."""
+    drags = [run(freefem, tmp_path / str(k), "cylinder_steady", "-mu", mu, "-speed", speed)["drag_coefficient"] for k, (mu, speed) in enumerate(((1e-3, 0.3), (1e-9, 3e-7), (1e3, 3e5)))]
+    assert drags[1:] == pytest.approx([drags[0]] * 2, rel=1e-9)
+
+
+def test_a_flow_that_is_not_found_says_so(freefem_refused, tmp_path):
+    line = freefem_refused(4, "cases/cavity.edp", "-reynolds", 1e6, "-steps", 5, "-out", tmp_path / "run")
+    assert "lower Reynolds number" in line
+    assert '"status": "failed (4)"' in (tmp_path / "run/run.json").read_text() and not (tmp_path / "run/.writer").exists()
+
+
+def test_half_a_pipe_needs_its_axis(freefem_refused, tmp_path):
+    mesh = write_box(tmp_path / "pipe.mesh", 1.0, 0.0, 0.1, 24, 6, bottom=8)
+    assert "-axisymmetric 1" in freefem_refused(3, "cases/pipe_flow.edp", "-mesh", mesh, "-model", "laminar", "-reynolds", 100, "-out", tmp_path / "run")
