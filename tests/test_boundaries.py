@@ -178,3 +178,46 @@ def test_walls_are_written_so_that_contacts_can_name_them(freefem_text, tmp_path
     wall = -1 - int(run.table("contacts")["j"][0])
     ends = [run.table("walls")[name][wall] for name in ("x1", "y1", "x2", "y2")]
     assert sorted(ends[::2]) == [0, 1] and ends[1::2] == [0, 0]  # the floor
+
+
+@pytest.mark.parametrize("queue, status, words", [
+    ("queueAdd(0.95, 0.12, 1, 0.);", 5, "deep in a wall where it enters"), ("queueAdd(0.5, 0.6, 1, 0.);", 5, "deep in a wall where it enters"),
+    ("queueAdd(0.5, 0.12, -1, 0.);", 3, "has density -1"), ("queueAdd(0.5, -0.1, 1, 0.);", 3, "no radius above 0")])
+def test_a_waiting_particle_that_cannot_enter_is_refused(queue, status, words, freefem_text, tmp_path):
+    text = case(queue, walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() 1. // EOM")
+    done = freefem_text(text, "-out", tmp_path / "run", check=False)
+    assert done.returncode == status and words in done.stderr and len(done.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "run").exists()
+
+
+def test_an_obstacle_behind_the_inlet_is_in_the_way(freefem_text, tmp_path):
+    mesh = tmp_path / "drain.mesh"
+    text = square(mesh, hole=DRAIN) + case("queueAdd(0.5, 0.2, 1, 0.);", walls="labelBottom, labelTop, labelOutlet", moving="labelLeft", outlet="labelRight", more="macro boundaryU() 1. // EOM")
+    done = freefem_text(text, "-mesh", mesh, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 5 and "deep in a wall where it enters" in done.stderr
+
+
+def test_a_wide_deviation_is_uniform(freefem_text):
+    out = freefem_text("""include "lib/queue.idp"
+queueGaussian(2000, 3, -1, 1, 0.2, 0.2, 1e9, 1, 0, 0);
+cout << "HEIGHTS " << queueY.min << " " << queueY.max << " " << queueY.sum/2000 << " " << (queueY'*queueY)/2000 << endl;""").stdout
+    low, high, mean, square2 = map(float, out.split("HEIGHTS")[1].split()[:4])
+    room = 1 - 0.1 * 1.05
+    assert -room <= low < -0.95 * room and 0.95 * room < high <= room
+    assert mean == pytest.approx(0, abs=0.05) and square2 == pytest.approx(room**2 / 3, rel=0.06)
+
+
+@pytest.mark.parametrize("lists", [dict(outlet="labelTop"), dict(moving="labelTop"), dict(slip="labelTop")])
+def test_a_label_has_one_condition(lists, freefem_text, tmp_path):
+    done = freefem_text(case("", **lists), "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "stands twice" in done.stderr and not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("more, period, words", [
+    (SEAM, 0, "flowPeriodY is 0 m"), (SEAM, 0.9, "but the period along y is 0.9 m"), ("", 1, "flowPeriodY is 1 m"),
+    ("macro flowPeriodicLabels() [labelBottom, labelTop] // EOM", 1, "are not periodic")])
+def test_the_settings_of_a_period_belong_together(more, period, words, freefem_text, tmp_path):
+    walls = "" if "Labels" in more else "labelBottom, labelTop"
+    text = case("", walls=walls, moving="labelLeft", outlet="labelRight", more=more, period=period)
+    done = freefem_text(text, "-mesh", "meshes/cylinder_array.mesh", "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and words in done.stderr and not (tmp_path / "run").exists()

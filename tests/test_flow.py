@@ -63,6 +63,7 @@ mesh Th = square(5, 4, [x + 0.1*y*y, y*(1 + 0.2*x)]);
 int[int] relabel = [1, labelWall, 2, labelOutlet, 3, labelWall, 4, labelInlet];
 Th = change(Th, label = relabel);
 Th = adaptmesh(Th, SIZE*(2 + x), IsMetric = 1, nbvx = 20000);
+real flowPeriodX = 0, flowPeriodY = 0;
 int[int] flowNoSlip = [labelWall], flowMoving = [labelInlet], flowOutlet = [labelOutlet], flowSlip(0);
 """
 

@@ -1,5 +1,6 @@
 """lib/options.idp: what the command line gives, and how nonsense is refused."""
 import json
+from pathlib import Path
 
 import pytest
 
@@ -110,3 +111,10 @@ outEnd(1, 1, "finished");
 def test_a_flag_of_a_driver_is_0_or_1(freefem_refused, tmp_path, case, flag):
     assert "must be 0 or 1, not 2" in freefem_refused(3, f"cases/{case}.edp", flag, "2", "-out", tmp_path / "run")
     assert not (tmp_path / "run").exists()
+
+
+def test_a_default_of_no_option_is_refused(freefem_text, tmp_path):
+    text = Path("cases/template.edp").read_text().replace('optDefault("-dt"', 'optDefault("-dtt"')
+    assert "-dtt" in text
+    done = freefem_text(text, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "default of -dtt" in done.stderr and not (tmp_path / "run").exists()

@@ -246,3 +246,18 @@ def test_a_case_that_was_edited_goes_on_with_a_warning(tmp_path):
     again = run_freefem(case, *words, "-tend", "0.04", "-restart", tmp_path / "run")
     assert ["mine.edp has changed since the checkpoint" in run.stdout for run in (same, edited, again)] == [False, True, False]
     assert all("goes on from t" in run.stdout for run in (same, edited, again))
+
+
+def test_a_checkpoint_of_another_mesh_replaces_nothing(freefem, coarse, tmp_path):
+    """Neither the run in -out nor the rows behind the checkpoint are gone when it is refused."""
+    words = ["cases/pipe_obstacles.edp", "-number", 0, "-checkpoint", 2, "-tend"]
+    for name in ("one", "two"):
+        freefem(*words, 0.02, "-mesh", coarse, "-out", tmp_path / name)
+    kept = {name: (tmp_path / name / "fluid.csv").read_bytes() for name in ("one", "two")}
+    newest = sorted((tmp_path / "one").glob("restart_*.sha"))[-1].stem
+    for file in (tmp_path / "one").glob(f"{newest}.*"):
+        file.unlink()
+    for more in (["-out", tmp_path / "two", "-overwrite", 1], []):
+        done = freefem(*words, 0.04, "-restart", tmp_path / "one", *more, check=False)
+        assert done.returncode == 3 and "another mesh" in done.stderr
+        assert all((tmp_path / name / "fluid.csv").read_bytes() == text for name, text in kept.items())

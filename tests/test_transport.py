@@ -148,3 +148,38 @@ def test_a_run_that_is_no_steady_flow_is_not_overwritten(freefem, freefem_refuse
 def test_a_missing_mesh_is_one_line_and_status_3(freefem, tmp_path):
     done = freefem("cases/pipe_transport.edp", "-out", tmp_path / "run", "-mesh", "nowhere.mesh", check=False)
     assert done.returncode == 3 and "cannot read the mesh file" in done.stderr and len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("name", ["README.md", "README.md/flow"])
+def test_a_flow_that_cannot_be_a_folder_is_refused(name, freefem_refused, tmp_path):
+    readme = (ROOT / "README.md").read_bytes()
+    line = freefem_refused(3, "cases/pipe_transport.edp", *LAMINAR, "-flow", name, "-out", tmp_path / "other")
+    assert name in line and (ROOT / "README.md").read_bytes() == readme and not (ROOT / "README.md.log").exists()
+
+
+@pytest.mark.parametrize("dt, steps", [(0.003, 4), (1, 1), (0.0025, 4)])
+def test_the_last_step_ends_at_the_end(dt, steps, freefem, run_folder):
+    freefem(SCRIPT, "-out", run_folder, "-tend", 0.01, "-dt", dt)
+    last = rows(run_folder / "steps.csv")[-1]
+    assert float(last["t"]) == pytest.approx(0.01, rel=1e-12) and int(last["step"]) == steps
+
+
+def test_a_restart_keeps_its_step(freefem, freefem_refused, tmp_path):
+    freefem(SCRIPT, "-out", tmp_path / "run", "-tend", 0.01, "-dt", 0.003, "-checkpoint", 2)
+    assert "steps of 0.0025 s" in freefem_refused(3, SCRIPT, "-out", tmp_path / "more", "-tend", 0.021, "-dt", 0.003, "-restart", tmp_path / "run")
+
+
+def test_the_angle_is_of_second_order(freefem, tmp_path):
+    """Omega relaxes to half the vorticity; its integral is the angle."""
+    words = ["-flow", "shear", "-rate", 2, "-start-omega", 3, "-radius", 0.02, "-mu", 1, "-magnus", 1, "-gravity", 0, "-tend", 0.4]
+    angle = []
+    for k, dt in enumerate((0.04, 0.02, 0.00125)):
+        freefem(SCRIPT, "-out", tmp_path / str(k), *words, "-dt", dt)
+        angle.append(float(rows(tmp_path / str(k) / "particles.csv")[-1]["theta"]))
+    assert abs(angle[2]) > 0.05
+    assert abs(angle[1] - angle[2]) < 1e-3 and abs(angle[0] - angle[2]) < 4e-3
+
+
+def test_steps_longer_than_the_turbulence_s_time_are_warned_of(freefem, run_folder):
+    words = ["-turbulence", "fluctuation", "-sigma", 0.1, "-number", 20, "-decay", 1000]
+    assert "spread too much" in freefem(SCRIPT, "-out", run_folder, *words, "-tend", 0.2, "-dt", 0.1).stdout
