@@ -62,7 +62,7 @@ class RunFolder:
     def units(self):
         """Names of the units of length, time and mass: those of which the case's own options (run.json: units)
         speak, else those of SI (g with cm); L, T and M where none of these options has a unit."""
-        own = [str(unit) for name, unit in (self.info.get("units") or {}).items() if name not in DRIVER]
+        own = [str(unit) for name, unit in (self.info.get("units") or {}).items() if name not in DRIVER and not name.startswith("-contact-")]
         if own and not any(own):
             return SYMBOLS
         words = set(re.findall("[A-Za-z]+", " ".join(own)))
