@@ -9,7 +9,7 @@ include "lib/options.idp"
 optCase("boundaries", "a scene of tests/test_boundaries.py");
 optDefault("-mesh", "meshes/couette_disk.mesh");
 optDefault("-dt", "0.01");
-real rhoFluid = 1, mu = 0.05, gravityX = 0, gravityY = -1;
+real rhoFluid = 1, mu = {mu}, gravityX = 0, gravityY = {gravity};
 include "lib/labels.idp"
 int[int] flowNoSlip = [{walls}], flowMoving = [{moving}], flowOutlet = [{outlet}], flowSlip = [{slip}];
 {more}
@@ -20,9 +20,9 @@ include "scripts/resolved.edp"
 """
 
 
-def case(particles, walls="labelLeft, labelRight, labelBottom, labelTop", moving="", outlet="", slip="", more="", period=0):
+def case(particles, walls="labelLeft, labelRight, labelBottom, labelTop", moving="", outlet="", slip="", more="", period=0, mu=0.05, gravity=-1):
     """The text of a case in the unit square; empty lists of labels as FreeFEM writes them."""
-    text = CASE.format(particles=particles, walls=walls, moving=moving, outlet=outlet, slip=slip, more=more, period=period)
+    text = CASE.format(particles=particles, walls=walls, moving=moving, outlet=outlet, slip=slip, more=more, period=period, mu=mu, gravity=gravity)
     return text.replace(" = []", "(0)")
 
 

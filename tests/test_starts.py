@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 
+from test_boundaries import case
 from tools.run_folder import RunFolder
 
 BOX = """
@@ -40,20 +41,7 @@ def test_a_body_thrown_into_fluid_at_rest_shares_its_momentum(ratio, freefem_tex
     assert ends[0] == pytest.approx(ends[1], rel=0.05)
 
 
-STREAM = """
-include "lib/options.idp"
-optCase("stream", "a scene of tests/test_starts.py");
-optDefault("-mesh", "meshes/couette_disk.mesh");
-optDefault("-every", "1e-9");
-real rhoFluid = 1, mu = 0.001, gravityX = 0, gravityY = 0;
-include "lib/labels.idp"
-int[int] flowNoSlip(0), flowMoving = [labelLeft], flowOutlet = [labelRight], flowSlip = [labelBottom, labelTop];
-macro boundaryU() 1. // EOM
-func real boundaryRamp(real t) { return 1; }
-real flowPeriodX = 0, flowPeriodY = 0, motionBound = 1e30;
-macro caseParticles() bodyDisk(0.41, 0.52, 0.12, 1); // EOM
-include "scripts/resolved.edp"
-"""
+STREAM = case("bodyDisk(0.41, 0.52, 0.12, 1);", walls="", moving="labelLeft", outlet="labelRight", slip="labelBottom, labelTop", more="macro boundaryU() 1. // EOM", mu=0.001, gravity=0)
 
 
 def test_a_neutral_disk_goes_with_a_stream_that_is_there_at_once(freefem_text, tmp_path):
@@ -76,19 +64,8 @@ def test_a_blow_of_bodies_changes_no_momentum(low, high, freefem_text, tmp_path)
 def test_a_small_body_far_away_changes_nothing(freefem_text, tmp_path):
     speeds = []
     for more in ("", "bodyAdd(0.31, 0.53, 0.04, 1, 0, 0, 0, 0);"):
-        text = f"""
-include "lib/options.idp"
-optCase("apart", "a scene of tests/test_starts.py");
-optDefault("-mesh", "meshes/settling_disk.mesh");
-real rhoFluid = 1, mu = 1, gravityX = 0, gravityY = -981;
-include "lib/labels.idp"
-int[int] flowNoSlip = [labelWall], flowMoving(0), flowOutlet(0), flowSlip(0);
-func real boundaryRamp(real t) {{ return 1; }}
-real flowPeriodX = 0, flowPeriodY = 0, motionBound = 1e30;
-macro caseParticles() {{ bodyDisk(1.01, 4.2, 0.2, 1.5); {more} }} // EOM
-include "scripts/resolved.edp"
-"""
-        freefem_text(text, "-dt", 0.01, "-tend", 0.1, "-tolerance", 1e-8, "-out", tmp_path / f"run{len(speeds)}")
+        text = case(f"{{ bodyDisk(1.01, 4.2, 0.2, 1.5); {more} }}", walls="labelWall", mu=1, gravity=-981)
+        freefem_text(text, "-mesh", "meshes/settling_disk.mesh", "-dt", 0.01, "-tend", 0.1, "-tolerance", 1e-8, "-out", tmp_path / f"run{len(speeds)}")
         rows = RunFolder(tmp_path / f"run{len(speeds)}").particles
         speeds.append(np.column_stack([rows["v"], rows["omega"]])[rows["id"] == 0][-1])
     np.testing.assert_allclose(speeds[1], speeds[0], rtol=1e-5)

@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 
+from test_boundaries import case
 from tools.run_folder import RunFolder
 from tools.tables import read_table
 
@@ -78,25 +79,12 @@ def test_the_walls_of_a_closed_box_feel_what_its_momentum_misses(freefem, tmp_pa
     assert abs(total).max() > 1
 
 
-CHANNEL = """
-include "lib/options.idp"
-optCase("channel", "a scene of tests/test_wallforces.py");
-optDefault("-mesh", "meshes/couette_disk.mesh");
-optDefault("-wallforces", "1");
-real rhoFluid = 1, mu = 0.1, gravityX = 0, gravityY = 0;
-include "lib/labels.idp"
-int[int] flowNoSlip = [labelBottom, labelTop], flowMoving = [labelLeft], flowOutlet = [labelRight], flowSlip(0);
-macro boundaryU() (6*y*(1 - y)) // EOM
-func real boundaryRamp(real t) { return min(1., 2*t); }
-real flowPeriodX = 0, flowPeriodY = 0, motionBound = 1e30;
-macro caseParticles() // EOM
-include "scripts/resolved.edp"
-"""
+CHANNEL = case("", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() (6*y*(1 - y)) // EOM", mu=0.1, gravity=0)
 
 
 @pytest.mark.parametrize("convection", [0, 1])
 def test_the_force_at_an_inlet_is_that_of_its_pressure(convection, freefem_text, tmp_path):
-    freefem_text(CHANNEL, "-convection", convection, "-dt", 0.05, "-tend", 8, "-every", 8, "-tolerance", 1e-8, "-out", tmp_path / "run")
+    freefem_text(CHANNEL, "-wallforces", 1, "-convection", convection, "-dt", 0.05, "-tend", 8, "-every", 8, "-tolerance", 1e-8, "-out", tmp_path / "run")
     walls = read_table(tmp_path / "run" / "wallforces.csv")
     force = {int(label): fx for label, fx in zip(walls["label"], walls["fx"])}
     # developed: the walls take 2 * 6 mu of a channel of length 1, the inlet gives it; the nodes at the corners count half for each
