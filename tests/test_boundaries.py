@@ -63,6 +63,7 @@ def test_a_disk_leaves_through_an_outlet_on_any_side(side, x, y, pull, freefem_t
     freefem_text(text, "-tend", 0.6, "-every", 0, "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     assert run.fluid["particles"][0] == 1 and run.fluid["particles"][-1] == 0
+    assert run.open == ({"Left": 11, "Right": 12, "Bottom": 13, "Top": 14}[side],)  # drawn dashed
     outside = max(np.abs(run.particles["x"] - 0.5).max(), np.abs(run.particles["y"] - 0.5).max())
     assert 0.5 < outside < 0.5 + 0.12 + 0.1  # not much further than wholly beyond the side
 

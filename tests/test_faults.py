@@ -3,6 +3,7 @@
 Each ends with a status of lib/errors.idp and one line on the error stream, and nothing that was
 there is lost. FAULT_EXAMPLES sets the number of fuzzed command lines a driver (default 4).
 """
+import json
 import os
 import re
 import resource
@@ -63,6 +64,7 @@ def test_a_full_disk_ends_a_run_with_whole_rows(tmp_path):
     for name in ("particles.csv", "motion.csv"):
         assert_whole_rows(tmp_path / "run" / name)
     assert not (tmp_path / "run" / ".writer").exists()
+    assert json.loads((tmp_path / "run" / "run.json").read_text())["status"] == "failed (4)"
     # the rows that are there are those of a run with room
     run_freefem(*FALLING, "-tend", "3", "-out", tmp_path / "free")
     cut, free = ((tmp_path / name / "particles.csv").read_text() for name in ("run", "free"))
@@ -88,6 +90,7 @@ def test_a_full_disk_at_a_checkpoint_loses_nothing(box, tmp_path):
     done = run(*scene, "-restart", folder, most=max(map(len, before.values())) // 2)
     assert_refused(done, (4,), "cannot write the checkpoint")
     assert checkpoints(folder) == before
+    assert json.loads((folder / "run.json").read_text())["status"] == "failed (4)" and not (folder / ".writer").exists()
     run_freefem(*scene, "-restart", folder)
     assert (folder / "particles.csv").read_bytes() == (tmp_path / "unbroken" / "particles.csv").read_bytes()
 

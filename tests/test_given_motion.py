@@ -85,6 +85,11 @@ def test_a_body_that_moves_freely_cannot_be_given_a_motion(freefem_text, tmp_pat
     assert done.returncode == 3 and "particle 0 moves freely" in done.stderr and len(done.stderr.strip().splitlines()) == 1
 
 
+def test_a_body_that_is_not_there_cannot_be_given_a_motion(freefem_text, tmp_path):
+    done = freefem_text(scene("bodyAdd(0.5, 0.5, 0.16, 1, 0, 0, 0, 0);", "givenMotion(1, 1, 0, 0);"), "-tend", 0.1, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "particle 1, which there is not" in done.stderr and len(done.stderr.strip().splitlines()) == 1
+
+
 HELD = """include "lib/bodies.idp"
 optCase("held", "a disk held in a periodic channel");
 optDefault("-mesh", "meshes/couette_disk.mesh");

@@ -11,7 +11,7 @@ from tools import plot
 from tools.command import BadInput
 from tools.film import frame_rate, make_film, mp4_possible
 from tools.mesh_files import chains, read_mesh
-from tools.plotting import panels, plt, speed_top
+from tools.plotting import draw_outline, panels, plt, speed_top
 from tools.run_folder import RunFolder
 from tools.tables import read_table
 
@@ -75,6 +75,14 @@ def test_the_mesh_keeps_its_labels(run):
     corner = run.mesh.points[run.mesh.triangles]
     a, b = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
     assert 0.5 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum() == pytest.approx(0.2 - 0.01 * 0.06 - 0.04 * 0.05)
+
+
+def test_sides_that_are_no_walls_are_dashed(run):
+    figure, axes = plt.subplots()
+    draw_outline(axes, run.mesh, (3,))
+    dashed = [line for line in axes.collections if line.get_linestyle()[0][1] is not None]
+    plt.close(figure)
+    assert len(dashed) == 1 and len(dashed[0].get_segments()) == len(list(chains(run.mesh.edges[run.mesh.labels == 3])))
 
 
 def test_chains_use_every_edge_once():

@@ -30,7 +30,7 @@ def pictures(run, frames):
         top, extend = speed_top([speed_of(run.field(numbers[k])[1]) for k in sample])
     figure, (axes,), bar = panels(1, run.extent, height=6.4)
     figure.set_dpi(DPI)
-    draw_outline(axes, run.mesh)
+    draw_outline(axes, run.mesh, run.open)
     frame(axes, run.extent, length)
     heading = axes.set_title("", pad=4)
     drawn, shape, bodies = None, None, []

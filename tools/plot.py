@@ -59,7 +59,7 @@ def plot_fields(run, path, number=6):
     for one, (t, _), field in zip(axes, chosen, fields):
         if with_velocity:
             drawn = draw_speed(one, field[0], speed_of(field[1]), top)
-        draw_outline(one, run.mesh)
+        draw_outline(one, run.mesh, run.open)
         if run.has("particles"):
             particle_artists(one, run.particles_at(t), clip=run.clip)
         frame(one, run.extent, length)
@@ -120,7 +120,7 @@ def plot_trajectories(run, path):
     disks, _ = particle_artists(axes, ends.T, zorder=5, clip=run.clip)
     disks.set_facecolor([colours[int(k)] for k in ends[:, 0]])
     disks.set_alpha(0.75)
-    draw_outline(axes, run.mesh)
+    draw_outline(axes, run.mesh, run.open)
     frame(axes, run.extent, length)
     if several:
         figure.colorbar(plt.cm.ScalarMappable(scale, LINE_MAP), cax=bar).set_label(f"diameter ({length})")

@@ -40,7 +40,7 @@ def plot_transport(run, path, times=None):
     for one, t in zip(axes, times):
         if flow:
             drawn = draw_speed(one, flow[0], speed_of(flow[1]), top)
-        draw_outline(one, run.mesh)
+        draw_outline(one, run.mesh, run.open)
         inside = run.particles_at(t)
         particle_artists(one, inside)
         frame(one, run.extent, run.units["length"])

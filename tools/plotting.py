@@ -97,13 +97,13 @@ def frame(axes, extent, length="m", pad=0.015):
         axes.set_ylabel(f"y ({length})")
 
 
-def draw_outline(axes, mesh):
-    """The boundary by its labels: walls thick, open ends dashed, bodies in the flow thicker."""
+def draw_outline(axes, mesh, open_ends=OPEN):
+    """The boundary by its labels: walls thick, those of open_ends dashed, bodies in the flow thicker."""
     if mesh is None:
         return
     for label in np.unique(mesh.labels):
         style = {"color": "black", "linewidth": 1.1, "linestyle": "-"}
-        if label in OPEN:
+        if label in open_ends:
             style.update(color="#555555", linewidth=0.9, linestyle=(0, (4, 2)))
         elif label in SOLID:
             style.update(linewidth=1.5)

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from tools.command import BadInput
-from tools.mesh_files import read_field, read_mesh
+from tools.mesh_files import OPEN, read_field, read_mesh
 from tools.tables import read_table
 
 SI = {"length": "m", "time": "s", "mass": "kg"}
@@ -75,6 +75,11 @@ class RunFolder:
     def period(self):
         """The period of the domain along x and y, 0 for none."""
         return tuple(self.info.get("period") or (0.0, 0.0))
+
+    @cached_property
+    def open(self):
+        """Labels of the sides that are no walls: inlets, outlets, seams of a period."""
+        return tuple(self.info.get("open") or OPEN)
 
     @property
     def clip(self):
