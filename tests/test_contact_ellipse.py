@@ -118,6 +118,24 @@ def test_slender_ellipses_at_all_angles_have_their_gap(freefem_text):
             assert gap <= nearest + 1e-9 and gap == pytest.approx(nearest, abs=2e-3)
 
 
+@pytest.mark.parametrize("aspect", [0.3, 0.6])
+def test_ellipses_anywhere_round_a_wall_have_their_gap(freefem_text, aspect):
+    """Also those whose line cuts them beyond its end: the largest s(n) over all directions, of the segment's own support function."""
+    places, number = np.random.default_rng(5), 300
+    bodies = [(20.0 * k + places.uniform(-0.5, 1.5), places.uniform(-0.4, 0.4), places.uniform(-3, 3), 0.4, aspect) for k in range(number)]
+    walls = [(20.0 * k, 0.0, 20.0 * k + 1, 0.0) for k in range(number)]
+    found = rows(freefem_text(scene(bodies, walls, [1.0] * number, [1.0] * number, [(0, 0, 0)] * number, more=MEASURE.replace("10.", "1."))).stdout, "gap")
+    to, apart_ones = np.linspace(0, 2 * np.pi, 20001), 0
+    for i, _, gap, ex, ey, *_ in found:
+        x, y, turn, a, _ = bodies[int(i)]
+        s = np.cos(to) * (x - 20 * i) + np.sin(to) * y - a * np.hypot(np.cos(to - turn), aspect * np.sin(to - turn)) - np.maximum(0, np.cos(to))
+        best = int(s.argmax())
+        if s[best] > 1e-3:
+            apart_ones += 1
+            assert gap == pytest.approx(s[best], abs=1e-6) and (ex, ey) == pytest.approx((np.cos(to[best]), np.sin(to[best])), abs=5e-3)
+    assert apart_ones > 80
+
+
 def test_over_a_seam_the_nearest_image_counts(freefem_text):
     bodies = [(0.3, 0.0, 0.4, 0.5, 0.4), (7.6, 0.2, 1.0, 0.6, 0.5)]
     found = rows(freefem_text(scene(bodies, [], [1, 1], [1, 1], [(0, 0, 0)] * 2, 8.0, MEASURE.replace("10.", "0.5"))).stdout, "gap")

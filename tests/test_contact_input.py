@@ -84,7 +84,7 @@ def test_a_disk_on_the_wrong_side_of_closed_walls(refused, obstacle):
     walls += [",".join(map(str, row)) for row in box(1, 1)]
     place = "0.35,0.33" if obstacle else "1.35,0.33"
     status, lines = refused([*GOOD, f"4,{place},0.005,1,0,0"], walls)
-    assert status == 3
+    assert status == 5
     assert ("disk 4 stands inside an obstacle" if obstacle else "disk 4 stands outside") in lines[0]
 
 

@@ -1,0 +1,53 @@
+"""Bodies that hit walls and each other in a fluid: momentum with the walls' impulses, no bouncing off an unresolved gap, no overlap from the first move on."""
+import numpy as np
+import pytest
+
+from tests.test_boundaries import case
+from tools.run_folder import RunFolder
+
+
+def landing(freefem_text, folder, ratio, dt):
+    """A disk eight elements across goes to the floor, or a light one to the lid, at a Reynolds number of 130."""
+    text = case(f"bodyDisk(0.5, {0.3 if ratio > 1 else 0.7}, 0.12, {ratio});", mu=0.002, gravity=-20)
+    freefem_text(text, "-dt", dt, "-tend", 0.5, "-every", 0, "-budget", 1, "-out", folder)
+    run = RunFolder(folder)
+    sense = 1 if ratio > 1 else -1
+    return run, sense * run.particles["v"], (run.particles["y"] if ratio > 1 else 1 - run.particles["y"]) - 0.12
+
+
+@pytest.mark.parametrize("ratio", [0.2, 0.5, 2, 5])
+def test_the_impulse_of_a_blow_at_a_wall_closes_the_balance(ratio, freefem_text, tmp_path):
+    """It is that of the body and of the fluid round it; for a ratio of 0.2 nearly half of it was missing."""
+    run, _, _ = landing(freefem_text, tmp_path / "run", ratio, 0.005)
+    budget = run.table("budget")
+    off = budget["momentum_y"] - budget["walls_y"] - budget["weight_y"]
+    assert run.fluid["contacts"].max() > 0
+    rows = run.table("contacts")
+    blow = rows["impulse"][rows["t"] < rows["t"][0] + 0.05].sum()
+    assert np.abs(off[-1]) < 0.1 * blow
+
+
+@pytest.mark.parametrize("ratio", [0.2, 2])
+def test_a_gap_that_the_mesh_does_not_resolve_is_no_spring(ratio, freefem_text, tmp_path):
+    """Small steps: half of the speed and more came back, without the wall being touched."""
+    run, v, gap = landing(freefem_text, tmp_path / "run", ratio, 0.001)
+    near = int(np.argmax(gap < 0.02))
+    assert run.fluid["contacts"].max() > 0 and gap.min() < 1e-6
+    assert v[near:].max() < 0.15 * -v.min()
+
+
+@pytest.mark.parametrize("bodies", [
+    "bodyAdd(0.3, 0.5, 0.12, 2, 6, 0, 0, 1); bodyAdd(0.55, 0.5, 0.12, 2, -6, 0, 0, 1);",
+    "bodyAdd(0.3, 0.5, 0.12, 10, 6, 0, 0, 1); bodyAdd(0.55, 0.5, 0.12, 0.5, -4, 0, 0, 1);",
+    "bodyAdd(0.3, 0.5, 0.12, 1, 8, 0, 0, 0); bodyAdd(0.55, 0.5, 0.12, 1.5, 0, 0, 0, 1);",
+    "bodyAdd(0.13, 0.5, 0.12, 3, -8, 0, 0, 1);"])
+def test_nothing_overlaps_in_the_first_move(bodies, freefem_text, tmp_path):
+    freefem_text(case(bodies, gravity=0), "-dt", 0.002, "-tend", 0.01, "-every", 0, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    rows = run.particles
+    walls = np.minimum(np.minimum(rows["x"], 1 - rows["x"]), np.minimum(rows["y"], 1 - rows["y"])) - 0.12
+    assert walls.min() > -1e-6 * 0.12
+    if (rows["id"] == 1).any():
+        one, two = (np.column_stack([rows["x"], rows["y"]])[rows["id"] == k] for k in (0, 1))
+        assert (np.hypot(*(one - two).T) - 0.24).min() > -1e-6 * 0.12
+    assert np.abs(rows["u"]).max() < 10

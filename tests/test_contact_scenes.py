@@ -1,0 +1,99 @@
+"""Contacts alone where walls move, lie over seams or have an end within the period; held disks; what the tables say."""
+import numpy as np
+import pytest
+
+from tests.test_contact_motion import SCENE
+from tools.contact_problems import Scene
+from tools.tables import read_table
+
+
+@pytest.fixture
+def contacts(freefem_text, tmp_path):
+    """Runs a scene of contacts alone; returns its folder, or what a refused one says."""
+
+    def run(bodies, walls="", *words, gravity=0, more="", name="run", check=True):
+        text = SCENE.format(bodies=bodies, walls=walls, gravity=gravity, more=more).replace('include "lib/walls.idp"', 'include "lib/walls.idp"\ninclude "lib/contact_period.idp"')
+        done = freefem_text(text, *words, "-out", tmp_path / name, check=check)
+        return tmp_path / name if check else done
+
+    return run
+
+
+def test_overlaps_are_pushed_apart_as_if_the_walls_stood_still(contacts):
+    folder = contacts("bodyDisk(0.2, 0.09, 0.1, 1);", "contactWallSegment(-5, 0, 5, 0); contactWallVelocity(0, 0, 0.5);", "-contact-initial", "push", "-dt", 0.001, "-tend", 0.01)
+    assert read_table(folder / "particles.csv")["y"][0] == pytest.approx(0.1, abs=1e-9)
+
+
+@pytest.mark.parametrize("off", [0, 0.02])
+def test_a_disk_rests_between_the_two_ends_of_a_wall_over_the_seam(contacts, off):
+    folder = contacts(f"bodyDisk({off}, 0.25, 0.15, 1000);", "contactWallSegment(0.1, 0, 0.9, 0); contactPeriodic(0, 0, 1, 0);", "-dt", 0.002, "-tend", 2, "-every", 1, gravity=-10)
+    last = read_table(folder / "particles.csv")
+    assert [last["x"][-1], last["y"][-1]] == pytest.approx([0, np.sqrt(0.15**2 - 0.1**2)], abs=1e-6)
+
+
+def test_a_slanted_wall_of_a_periodic_scene_moves_as_a_whole(contacts):
+    """The wall is cut into pieces; its velocity is asked for under its own number."""
+    folder = contacts("bodyDisk(0.75, 0.5, 0.1, 1000);", "contactWallSegment(0.1, 0, 0.9, 0.3); contactPeriodic(0, 0, 1, 0);", "-dt", 0.005, "-tend", 0.5,
+                      more="macro caseStep() contactWallVelocity(0, 0, 1); // EOM")
+    moves, disk = read_table(folder / "wallmoves.csv"), read_table(folder / "particles.csv")
+    last = moves["t"] == moves["t"].max()
+    assert last.sum() > 1 and moves["y1"][last].min() == pytest.approx(0.5) and moves["y2"][last].max() == pytest.approx(0.8)
+    along = np.array([0.8, 0.3]) / np.hypot(0.8, 0.3)
+    away = (disk["x"][-1] - 0.1) * -along[1] + (disk["y"][-1] - 0.5) * along[0]
+    assert away >= 0.1 - 1e-9
+
+
+@pytest.mark.parametrize("shift", [0, -0.5])
+def test_a_disk_in_an_obstacle_is_refused_over_the_seam_too(contacts, shift):
+    corners = [(0.9 + shift, 0), (1.1 + shift, 0), (1.0 + shift, 0.2), (0.9 + shift, 0)]
+    walls = " ".join(f"contactWallSegment({a}, {b}, {c}, {d});" for (a, b), (c, d) in zip(corners, corners[1:])) + " contactPeriodic(0, 0, 1, 0);"
+    bodies = " ".join(f"bodyDisk({x + shift}, {y}, {r}, 1000);" for x, y, r in ((0.03, 0.05, 0.01), (0.5, 0.5, 0.1), (0.2, 0.5, 0.1)))
+    done = contacts(bodies, walls, "-tend", 0.01, check=False)
+    assert done.returncode == 5 and "disk 0 stands inside an obstacle" in done.stderr
+
+
+def test_a_disk_wider_than_the_period_is_refused(contacts):
+    done = contacts("bodyDisk(0.5, 0.5, 0.6, 1);", "contactWallSegment(0, -1, 1, -1); contactPeriodic(0, 0, 1, 0);", "-tend", 0.01, check=False)
+    assert done.returncode == 5 and "overlaps its own image" in done.stderr and len(done.stderr.strip().splitlines()) == 1
+
+
+def test_held_disks_take_part_in_the_balance_and_rows_are_of_their_time(contacts):
+    folder = contacts("bodyAdd(0, 0, 0.1, 1000, 0, 0, 0, 0); bodyDisk(0, 0.25, 0.1, 1000);", "", "-dt", 0.001, "-tend", 0.3, gravity=-10)
+    motion, rows, disks = (read_table(folder / f"{name}.csv") for name in ("motion", "contacts", "particles"))
+    assert np.abs(motion["momentum_error"]).max() < 1e-9 * np.abs(motion["momentum_y"]).max()
+    top = {t: y for t, i, y in zip(disks["t"], disks["id"], disks["y"]) if i == 1}
+    assert len(rows["t"]) > 100
+    for t, gap in zip(rows["t"], rows["gap"]):
+        assert gap == pytest.approx(top[t] - 0.2, abs=1e-12)
+
+
+def test_the_least_gap_is_a_bound_where_nobody_can_meet(contacts):
+    bodies = "bodyAdd(-0.135, 0, 0.1, 1000, 1, 0, 0, 1); bodyAdd(0.135, 0, 0.1, 1000, -1, 0, 0, 1); bodyAdd(0, 5, 0.1, 1000, 0, 0, 0, 1);"
+    folder = contacts(bodies, "", "-dt", 0.02, "-tend", 0.02)
+    assert -1e-12 < read_table(folder / "motion.csv")["worst_gap"][-1] <= 0.03 + 1e-12
+
+
+def test_walls_that_move_are_written_after_a_restart(contacts, tmp_path):
+    scene = ("bodyDisk(0, 0.1, 0.1, 1000); bodyDisk(0, 0.3, 0.1, 1000);", "contactWallSegment(-1, 0, 1, 0); contactWallSegment(-1, -1, -1, 1);")
+    words = ("-dt", 0.001, "-every", 0.01, "-checkpoint", 50)
+    more = "macro caseStep() if (step == 1) contactWallVelocity(0, 0, 0.2); // EOM"
+    whole = contacts(*scene, *words, "-tend", 0.1, gravity=-10, more=more, name="whole")
+    contacts(*scene, *words, "-tend", 0.05, gravity=-10, more=more, name="half")
+    rest = contacts(*scene, *words, "-tend", 0.1, "-restart", tmp_path / "half", gravity=-10, more=more, name="rest")
+    one, two = read_table(whole / "wallmoves.csv"), read_table(rest / "wallmoves.csv")
+    later = one["t"] > 0.05 + 1e-9
+    assert later.sum() >= 5
+    for name, values in one.items():
+        np.testing.assert_array_equal(np.asarray(values)[later], two[name])
+
+
+@pytest.mark.parametrize("number, status", [("0 ", 0), (" 0", 0), ("1e400", 3)])
+def test_blanks_are_no_fault_and_numbers_out_of_range_one(freefem, tmp_path, number, status):
+    scene = Scene(np.array([[0.0, 0.0], [3.0, 0.0]]), np.array([0.5, 0.5]), np.ones(2), np.zeros((2, 2)), np.empty((0, 4)))
+    (tmp_path / "disks.csv").write_text("id,x,y,radius,mass,u,v\n" + "".join(f"{k},{x},{y},0.5,1,{number},-1\n" for k, (x, y) in enumerate(scene.x)))
+    done = freefem("scripts/project_velocities.edp", "-bodies", tmp_path / "disks.csv", "-out", tmp_path / "out.csv", check=False)
+    assert done.returncode == status
+    if status:
+        assert "'1e400' is out of range" in done.stderr
+    else:
+        np.testing.assert_array_equal(read_table(tmp_path / "out.csv")["v"], [-1, -1])
