@@ -133,6 +133,16 @@ def test_contacts_need_rows_at_the_same_time(run, tmp_path):
     (other / "contacts.csv").write_text("\n".join(lines[:3] + lines[4:]) + "\n")
     assert compare(run, run, ["impulse"])
     assert "nothing at t" in str(compare(other, run, ["impulse"]))
+    assert "the run has rows of i 0, j 1 at t" in str(compare(run, other, ["impulse"]))  # a contact too many
+    assert compare(run, other, ["impulse"], subset=True)
+
+
+def test_a_particle_of_which_no_value_is_compared_is_no_match(tmp_path):
+    """Its only rows stand between those of the other table."""
+    run = table(tmp_path / "run.csv", [0, 1, 2, 3, 2.5], [0, 1, 2, 3, 99], ids=[1, 1, 1, 1, 2])
+    reference = table(tmp_path / "reference.csv", [0, 1, 2, 3, 3], [0, 1, 2, 3, 5], ids=[1, 1, 1, 1, 2])
+    result = compare(run, reference)
+    assert not result and "no value of id 2 could be compared" in str(result)
 
 
 @pytest.mark.parametrize("text,words", [

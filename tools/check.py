@@ -10,8 +10,9 @@ dt, iterations and wall-clock times.
 Rows are aligned by time, for each particle id and each label of the boundary by itself. Where the times differ, the
 denser of the two is interpolated linearly at the times of the other, so the tolerance
 must allow for the curvature between its rows. Contacts (columns i, j) are not
-interpolated: a pair must have a row at the same time. The run must cover the times of
-the reference but for less than one row at either end, and hold the same particles (--subset: more of them is fine).
+interpolated: a pair must have rows at the same times. The run must cover the times of
+the reference but for less than one row at either end, and hold the same particles (--subset: more of them is
+fine, and more times of a pair). A particle of which no value could be compared is a mismatch.
 
 Status 0: all within tolerance; 1: a mismatch, the worst place named in words; 3: bad input.
 
@@ -264,12 +265,20 @@ def compare_tables(result, name, run, reference, wanted, time=None, subset=False
         if pairwise:
             covered = np.array([np.min(abs(tr - one)) <= slack for one in te])
             times, absent = te[covered], te[~covered]
+            more = np.array([one for one in tr if np.min(abs(te - one)) > slack])
+            if len(more) and not subset:
+                result.missing.append(f"{name}: the run has rows{words(keys, key)} at t = {more[0]:.9g}"
+                                      + (f" and {len(more) - 1} other times" if len(more) > 1 else "")
+                                      + ", the reference has none there (--subset allows it)")
         else:
             times, absent = aligned(tr, te, slack, spacing)
         if len(absent):
             result.missing.append(f"{name}: the run{words(keys, key)} has nothing at t = {absent[0]:.9g}"
                                   + (f" and {len(absent) - 1} other times" if len(absent) > 1 else "")
                                   + f" of the reference (its rows go from {tr[0]:.9g} to {tr[-1]:.9g})")
+        elif not len(times):
+            result.missing.append(f"{name}: no value{words(keys, key)} could be compared: its rows in the run go from {tr[0]:.9g} to "
+                                  f"{tr[-1]:.9g}, in the reference from {te[0]:.9g} to {te[-1]:.9g}")
         for column, (relative, absolute) in wanted.items():
             is_ = values_at(times, tr, run[column][mine], slack)
             should = values_at(times, te, reference[column][rows], slack)
@@ -308,7 +317,7 @@ def parser():
     options.add_argument("--rtol", type=float, default=1e-6, help="relative tolerance (default 1e-6)")
     options.add_argument("--atol", type=float, default=0.0, help="absolute tolerance, in the column's unit (default 0)")
     options.add_argument("--time", metavar="NAME", help="the column to align by (default t, else the first t_...)")
-    options.add_argument("--subset", action="store_true", help="the run may hold particles that the reference has not")
+    options.add_argument("--subset", action="store_true", help="the run may hold particles, and times of a pair, that the reference has not")
     return options
 
 
