@@ -1,7 +1,7 @@
 """A square cavity with a lid on top, the cells smaller towards the walls."""
 from tools.meshing.options import add_length, add_pattern_structured, add_size, require, require_cells
 from tools.meshing.outline import rectangle
-from tools.meshing.structured import gridded, towards_ends
+from tools.meshing.structured import counted, gridded, towards_ends
 
 
 def add_options(parser):
@@ -15,7 +15,7 @@ def build(options):
     o = options
     require_cells(o.size, o.side, "the cavity", least=4)
     require(1 <= o.grading <= 20, "--grading must be between 1 and 20")
-    number = 2 * round(o.side / o.size / 2)  # even: the pattern is symmetric and leaves the corners free
+    number = 2 * counted(o.side / o.size / 2)  # even: the pattern is symmetric and leaves the corners free
     points = towards_ends(0.0, o.side, number, o.grading)
     outline = rectangle(0, o.side, 0, o.side, "wall", "wall", "lid", "wall")
     return outline, gridded(outline, points, points, o.pattern)

@@ -19,7 +19,7 @@ def gridded(outline, xs, ys, pattern="right", keep=None):
     """
     nx, ny = len(xs) - 1, len(ys) - 1
     if (nx + 1) * (ny + 1) > MOST_VERTICES:
-        raise BadInput(f"this grid of {nx} x {ny} cells has more than {MOST_VERTICES:.0e} vertices: ask for larger cells")
+        raise too_many(f"{nx} x {ny} cells")
     x, y = np.meshgrid(xs, ys, indexing="ij")
     points = np.column_stack([x.ravel(), y.ravel()])
     i, j = (index.ravel() for index in np.meshgrid(np.arange(nx), np.arange(ny), indexing="ij"))
@@ -36,9 +36,21 @@ def gridded(outline, xs, ys, pattern="right", keep=None):
     return finished(points[used], triangles.reshape(-1, 3), partial(labels_on, outline=outline))
 
 
+def too_many(cells):
+    """What to raise for a grid of so many cells, in words."""
+    return BadInput(f"this grid of {cells} has more than {MOST_VERTICES:.0e} vertices: ask for larger cells")
+
+
+def counted(number):
+    """A number of cells along one side, refused before it becomes an array where it is too large by itself."""
+    if number > MOST_VERTICES:
+        raise too_many(f"{number:.7g} cells along a side")
+    return max(1, round(number))
+
+
 def even(start, end, size):
     """Points from start to end, evenly spaced, about `size` apart."""
-    return np.linspace(start, end, max(1, round((end - start) / size)) + 1)
+    return np.linspace(start, end, counted((end - start) / size) + 1)
 
 
 def growing(start, end, first, ratio, largest):
@@ -46,8 +58,9 @@ def growing(start, end, first, ratio, largest):
     length = abs(end - start)
     steps, total = [], 0.0
     while total < length * (1 - 1e-9):
-        steps.append(min(first * ratio ** len(steps), largest))
+        steps.append(largest if steps and steps[-1] >= largest else min(first * ratio ** len(steps), largest))
         total += steps[-1]
+        counted(len(steps))
     way = np.concatenate([[0.0], np.cumsum(steps)]) * (length / total)
     way[-1] = length
     return start + np.sign(end - start) * way
