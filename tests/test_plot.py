@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.synthetic import ROOT, write_csv, write_run
-from tools import plot
+from tools import plot, plot_contacts, plot_transport
 from tools.command import BadInput
 from tools.film import frame_rate, make_film, mp4_possible
 from tools.mesh_files import chains, read_mesh
@@ -228,6 +228,29 @@ def test_bad_input_is_one_line_and_status_3(words):
 def test_every_tool_has_help(tool):
     done = subprocess.run([sys.executable, "-m", f"tools.{tool}", "--help"], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0 and f"python -m tools.{tool}" in done.stdout
+
+
+@pytest.mark.parametrize("low", [0.0, -0.8, -8000.25])
+def test_the_axis_of_frames_of_contacts_stands_on_the_page(tmp_path, monkeypatch, low):
+    """However wide the numbers beside it are."""
+    write_csv(tmp_path / "particles.csv", "step,t,id,x,y,theta,u,v,omega,radius".split(","),
+              [[k, k, i, 0.1 * i, low + 0.9 * i / 9 - 0.01 * k, 0, 0, -0.01 * k, 0, 0.02] for k in range(4) for i in range(10)])
+    (tmp_path / "run.json").write_text('{"case": "made_up"}')
+    drawn = []
+    monkeypatch.setattr(plot_contacts, "save", lambda figure, path: drawn.append(figure))
+    plot_contacts.plot_frames(plot_contacts.ContactRun(tmp_path), None)
+    drawn[0].canvas.draw()
+    assert min(axes.get_tightbbox().x0 for axes in drawn[0].axes) > 0
+    plt.close(drawn[0])
+
+
+@pytest.mark.parametrize("times", ["inf", "nan", "-0.1", "0.2,1.1"])
+def test_times_of_a_transport_run_lie_within_it(tmp_path, times):
+    write_run(tmp_path, steps=10)
+    write_csv(tmp_path / "steps.csv", ["step", "t"], [[k, 0.1 * k] for k in range(11)])
+    assert plot_transport.main([str(tmp_path), "--times=0,1", "--out", str(tmp_path / "out")]) == 0
+    with pytest.raises(BadInput, match="is not between 0 and 1 s"):
+        plot_transport.main([str(tmp_path), f"--times={times}"])
 
 
 def test_the_reference_of_mesh_files_is_read(tmp_path):

@@ -154,6 +154,10 @@ def plot_frames(run, path, times=None):
             left.set_ylabel("y (m)")
     bar = figure.colorbar(disks, cax=figure.add_axes((0.895, 0.3, 0.018, 0.4)), extend="min")
     bar.set_label("speed (m/s)")
+    figure.canvas.draw()  # now the tick labels are known: what is wide gets its room
+    over = 0.01 - min(axis.get_tightbbox().x0 for axis in axes[:, 0]) / figure.bbox.width
+    if over > 0:
+        axes[0, 0].get_gridspec().update(left=0.075 + over)
     figure.suptitle(f"{run.title}: positions (left) and velocities (right)", fontsize=10, y=1 - 0.1 / figure.get_figheight())
     return save(figure, path)
 

@@ -59,7 +59,7 @@ def parser():
     options = Parser(prog="python -m tools.plot_transport", description=__doc__)
     options.add_argument("run", help="run folder of a transport case")
     options.add_argument("--out", metavar="DIR", help="where the pictures go (default: the run folder)")
-    options.add_argument("--times", metavar="T1,T2,...", help="times in s (default: six)")
+    options.add_argument("--times", metavar="T1,T2,...", help="times in s within the run (default: six)")
     return options
 
 
@@ -75,6 +75,10 @@ def main(words=None):
             times = [float(word) for word in given.times.split(",")]
         except ValueError:
             raise BadInput(f"--times needs numbers with commas between, not '{given.times}'") from None
+        end = max((float(run.table(name)["t"].max(initial=0)) for name in ("steps", "particles") if run.has(name) and "t" in run.table(name)), default=0.0)
+        for t in times:
+            if not 0 <= t <= end * (1 + 1e-9):
+                raise BadInput(f"--times: {t:g} is not between 0 and {end:g} s, the end of the run")
     out = Path(given.out or given.run)
     try:
         out.mkdir(parents=True, exist_ok=True)
