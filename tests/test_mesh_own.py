@@ -7,7 +7,7 @@ import pytest
 from conftest import ROOT
 from test_mesh import command, read
 from tools.meshing.checks import faults
-from tools.meshing.plane_mesh import signed_areas
+from tools.meshing.plane_mesh import edges_of, signed_areas
 from tools.run_folder import RunFolder
 
 # A channel of 3 by 1 with a round hole, and a second surface behind it.
@@ -80,6 +80,8 @@ def test_a_mesh_by_gmsh_gives_the_same(version, tmp_path):
     ("", "my.geo", "no triangles"),
     ("nonsense", "my.msh", "gmsh|no triangles"),
     (SCRIPT, "my.step", "takes a gmsh script"),
+    (SCRIPT.rstrip("\n"), "my.geo", "ends without a newline"),
+    (SCRIPT + "Mesh.ScalingFactor = 0;\n", "my.geo", "must be above 0"),
 ])
 def test_what_is_no_domain_is_refused_in_one_line(text, name, words, tmp_path):
     done = made(tmp_path, text, name=name)
@@ -89,7 +91,7 @@ def test_what_is_no_domain_is_refused_in_one_line(text, name, words, tmp_path):
 
 
 def test_a_case_runs_on_such_a_mesh(tmp_path, freefem):
-    text = re.sub(r"Physical Curve.*;", "", SCRIPT) + 'Physical Curve("wall") = {1, 3, 7, 9, 4, 8, 5, 6, 10, 11};'
+    text = re.sub(r"Physical Curve.*;", "", SCRIPT) + 'Physical Curve("wall") = {1, 3, 7, 9, 4, 8, 5, 6, 10, 11};\n'
     assert made(tmp_path, text, "--size", 0.1).returncode == 0
     script = tmp_path / "case.edp"
     case = (ROOT / "cases" / "template.edp").read_text()
@@ -97,6 +99,36 @@ def test_a_case_runs_on_such_a_mesh(tmp_path, freefem):
     freefem(script, "-mesh", tmp_path / "my.mesh", "-tend", 0.02, "-out", tmp_path / "run")
     v = RunFolder(tmp_path / "run").particles["v"]
     assert len(v) >= 2 and v[-1] < 0
+
+
+def edge_lengths(mesh):
+    edges, _ = edges_of(mesh.triangles)
+    return np.linalg.norm(np.diff(mesh.points[edges], axis=1)[:, 0], axis=1)
+
+
+@pytest.mark.parametrize("line, size, largest", [("Mesh.MeshSizeMax = 0.06;", 0.2, 0.09), ("Mesh.MeshSizeFactor = 2;", 0.1, 0.15), ("Mesh.MeshSizeMin = 0.2;", 0.1, 0.15)])
+def test_a_size_bounds_the_elements_and_makes_none_coarser(line, size, largest, tmp_path):
+    assert made(tmp_path, SCRIPT + line + "\n", "--size", size).returncode == 0
+    assert edge_lengths(read(tmp_path / "my.mesh")).max() < largest
+
+
+def test_a_script_is_scaled_by_its_own_factor(tmp_path):
+    assert made(tmp_path, SCRIPT + "Mesh.ScalingFactor = 1000;\n", "--size", 100).returncode == 0
+    mesh = read(tmp_path / "my.mesh")
+    assert np.allclose(np.ptp(mesh.points, axis=0)[:2], [4000, 1000]) and 100 < edge_lengths(mesh).max() < 150
+
+
+@pytest.mark.parametrize("line, area", [("", 4 - 0.04 * np.pi), ("Mesh.SaveAll = 1;", 4)])
+def test_the_domain_is_the_physical_surfaces_of_a_script(line, area, tmp_path):
+    """A meshed solid within the fluid is none of it, as in the file that gmsh writes; nor is what lies beside it."""
+    solid = "Plane Surface(3) = {2}; Point(20) = {3.9, 0.5, 0, h}; Line(20) = {8, 20}; Line(21) = {20, 9};"
+    text = SCRIPT.replace("Plane Surface(2)", solid + "Curve Loop(4) = {20, 21, -8}; Plane Surface(4) = {4}; Plane Surface(2)")
+    text = text.replace('("inlet") = {4}', '("inlet") = {4, 20, 21}').replace("{7, 8, 9, -2}", "{7, 20, 21, 9, -2}" if line else "{7, 8, 9, -2}")
+    done = made(tmp_path, text + line + "\n", "--size", 0.1)
+    assert done.returncode == 0, done.stderr
+    mesh = read(tmp_path / "my.mesh")
+    assert signed_areas(mesh.points, mesh.triangles).sum() == pytest.approx(area, rel=5e-3)
+    assert (6 in mesh.edge_labels) == (not line) == ("lie outside the domain" in done.stderr)
 
 
 PIECES = """

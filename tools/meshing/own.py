@@ -7,9 +7,10 @@ is the label:
     Physical Curve("wall") = {1, 3}; Physical Curve("inlet") = {4}; Physical Curve("outlet") = {2};
     Physical Surface("fluid") = {1};
 
-A physical curve within the domain is left out, with a warning. A script is meshed with its own
-element sizes, or with --size where those are larger. Sides of a period need matching nodes (gmsh:
-Periodic Curve).
+A physical curve within the domain is left out, with a warning; so are surfaces of a script that belong
+to no physical surface where there is one. A script is meshed with its own element sizes, or with --size
+where those are larger (transfinite curves keep their points), and scaled by its Mesh.ScalingFactor; --size
+is a size of the scaled mesh. Sides of a period need matching nodes (gmsh: Periodic Curve).
 """
 import re
 import sys
@@ -38,9 +39,11 @@ def build(options):
     if source.suffix not in KINDS:
         raise BadInput(f"--from takes a gmsh script (.geo) or mesh (.msh), not '{source}'")
     try:
-        source.read_bytes()
+        last = source.read_bytes().rpartition(b"\n")[2]
     except OSError as problem:
         raise BadInput(f"cannot read '{source}': {problem.strerror}") from None
+    if source.suffix == ".geo" and last.strip():
+        raise BadInput(f"'{source}' ends without a newline; gmsh drops statements of its last line: add one")
     return None, with_gmsh(lambda gmsh: read(gmsh, source, options.size), f"gmsh cannot make a mesh of '{source}'")
 
 
@@ -49,16 +52,25 @@ def read(gmsh, source, size):
     if source.suffix == ".geo" and re.search(r"^[ \t]*Exit[ \t]*;", source.read_text(encoding="utf-8", errors="replace"), re.MULTILINE):
         raise BadInput(f"'{source}' has the command Exit, which ends the program before there is a mesh: take it out")
     gmsh.open(str(source))
+    scale, surfaces = 1.0, set()
     if source.suffix == ".geo":
+        scale, factor, largest, least, every = (gmsh.option.getNumber("Mesh." + name) for name in ("ScalingFactor", "MeshSizeFactor", "MeshSizeMax", "MeshSizeMin", "SaveAll"))
+        if not (scale > 0 and factor > 0):
+            raise BadInput(f"'{source}' has Mesh.ScalingFactor {scale:g} and Mesh.MeshSizeFactor {factor:g}: both must be above 0")
         if size:
-            x0, y0, _, x1, y1, _ = gmsh.model.getBoundingBox(-1, -1)
+            x0, y0, _, x1, y1, _ = (scale * bound for bound in gmsh.model.getBoundingBox(-1, -1))
             if (x1 - x0) * (y1 - y0) / size**2 > MOST:
                 raise BadInput(f"--size {size:g} makes more than {MOST:g} triangles of a domain of {x1 - x0:g} times {y1 - y0:g}")
-            gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+            largest = min(largest, size / scale / factor)  # gmsh takes the factor after the bounds
+            gmsh.option.setNumber("Mesh.MeshSizeMax", largest)
+            gmsh.option.setNumber("Mesh.MeshSizeMin", min(least, largest))
         gmsh.model.mesh.generate(2)
+        if not every:  # the surfaces that gmsh would write
+            surfaces = {tag for pair in gmsh.model.getPhysicalGroups(2) for tag in gmsh.model.getEntitiesForPhysicalGroup(*pair)}
     elif size:
         raise BadInput(f"--size is for scripts; '{source}' is meshed already")
-    points, triangles, number = extracted(gmsh)
+    points, triangles, number = extracted(gmsh, sorted(surfaces) or [-1])
+    points *= scale
     if len(triangles) == 0:
         raise BadInput(f"'{source}' holds no triangles of three nodes")
     if np.ptp(points[:, 2]) > 1e-9 * np.ptp(points[:, :2]):
@@ -66,14 +78,18 @@ def read(gmsh, source, size):
     points = points[:, :2]
     if len(np.unique(points, axis=0)) < len(points):
         raise BadInput(f"'{source}' has two nodes in one place: remove duplicates, or give matching sides one curve")
-    labels = {}
+    labels, outside = {}, 0
     for dimension, group in gmsh.model.getPhysicalGroups(1):
         label = number_of(gmsh.model.getPhysicalName(dimension, group), group, source)
         for curve in gmsh.model.getEntitiesForPhysicalGroup(dimension, group):
             _, ends = gmsh.model.mesh.getElementsByType(1, curve)
-            for edge in map(places, points[number[ends.astype(int)].reshape(-1, 2)]):
+            ends = number[ends.astype(int)].reshape(-1, 2)
+            outside += np.sum(ends.min(axis=1) < 0)
+            for edge in map(places, points[ends[ends.min(axis=1) >= 0]]):
                 if labels.setdefault(edge, label) != label:
                     raise BadInput(f"'{source}' has a side in two physical curves, of labels {labels[edge]} and {label}: name it once")
+    if outside:
+        print(f"warning: {outside} edges of physical curves of '{source}' lie outside the domain and are left out", file=sys.stderr)
     return finished(points, triangles, partial(named, labels=labels, source=source))
 
 

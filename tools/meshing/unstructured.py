@@ -36,7 +36,7 @@ def triangulated(outline, size, near=(), growth=0.2, uniform=(), single=()):
         surface = add_outline(gmsh, outline, size, uniform, single)
         set_sizes(gmsh, size, near, growth)
         gmsh.model.mesh.generate(2)
-        points, triangles, _ = extracted(gmsh, surface)
+        points, triangles, _ = extracted(gmsh, [surface])
         return finished(points[:, :2], triangles, partial(labels_on, outline=outline))
 
     sizes = {"Mesh.MeshSizeExtendFromBoundary": 0, "Mesh.MeshSizeFromPoints": 0, "Mesh.MeshSizeFromCurvature": 0, "Mesh.Smoothing": 5}
@@ -129,12 +129,12 @@ def set_sizes(gmsh, size, near, growth):
     field.setAsBackgroundMesh(least)
 
 
-def extracted(gmsh, surface=-1):
-    """Points (n, 3) and triangles (m, 3) of a meshed surface (-1: of all), numbered from 0, and the number of each node's tag."""
+def extracted(gmsh, surfaces):
+    """Points (n, 3) and triangles (m, 3) of meshed surfaces ([-1]: of all), numbered from 0, and the number of each node's tag (-1: of none of them)."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    _, corners = gmsh.model.mesh.getElementsByType(2, surface)
+    corners = np.concatenate([gmsh.model.mesh.getElementsByType(2, surface)[1] for surface in surfaces])
     used, triangles = np.unique(corners.astype(int), return_inverse=True)
-    row, number = (np.zeros(int(tags.max(initial=0)) + 1, dtype=int) for _ in range(2))
+    row, number = (np.full(int(tags.max(initial=0)) + 1, -1) for _ in range(2))
     row[tags.astype(int)] = np.arange(len(tags))
     number[used] = np.arange(len(used))
     return coordinates.reshape(-1, 3)[row[used]], triangles.reshape(-1, 3), number
