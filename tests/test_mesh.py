@@ -307,3 +307,13 @@ def test_what_is_no_mesh_is_not_written_over(tmp_path):
         assert run.returncode == 3 and complaint in run.stderr and len(run.stderr.splitlines()) == 1
     assert note.read_text() == "precious" and [file.name for file in tmp_path.iterdir()] == ["note.mesh"]
     assert command("box", "--size", 0.5, "--out", tmp_path / "box.mesh").returncode == 0 == command("box", "--size", 0.4, "--out", tmp_path / "box.mesh").returncode
+
+
+def test_the_template_runs_on_the_mesh_of_its_header(freefem, tmp_path):
+    lines = re.findall(r"^//   (.*)$", (ROOT / "cases" / "template.edp").read_text(), re.MULTILINE)
+    file = tmp_path / "my.mesh"
+    make_it, run_it = ([str(file) if word == "results/my.mesh" else word for word in line.split()] for line in lines if "results/my.mesh" in line)
+    assert make_it[:3] == ["python", "-m", "tools.mesh"] and run_it[:2] == ["FreeFem++", "-nw"]
+    assert command(*make_it[3:]).returncode == 0
+    freefem(*run_it[2:], "-tend", 0.005, "-out", tmp_path / "run")
+    assert np.ptp(read(tmp_path / "run" / "mesh.mesh").points[:, 0]) == pytest.approx(3)
