@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.synthetic import ROOT, write_run
-from tools import convergence, quantities, study
+from tools import convergence, quantities, study, study_figure, study_report
 from tools.command import BadInput
 from tools.mesh_files import read_mesh
 from tools.run_folder import RunFolder
@@ -176,9 +176,68 @@ def test_the_order_of_a_power_law_is_found(p, ratio1, ratio2, c, sign, limit):
 def test_values_that_oscillate_or_stand_still_give_no_order():
     one = convergence.estimate([1, 0.5, 0.25], [1.0, 1.2, 1.1])
     assert math.isnan(one.order) and one.limit == 1.1 and one.uncertainty == pytest.approx(0.6)
+    assert "oscillate" in one.note and not one.extrapolated and "oscillate" not in convergence.estimate([1, 0.5, 0.25], [1.0, 1.0, 1.1]).note
     assert convergence.estimate([1, 0.5, 0.25], [2.0, 2.0, 2.0]).uncertainty == 0
+    assert convergence.estimate([1, 0.5, 0.25], [2.0, 2.0 + 1e-15, 2.0 - 1e-15]).uncertainty < 1e-14
     assert "one size" in convergence.estimate([1, 0.5], [2.0, math.nan]).note
     assert "order 2 assumed" in convergence.estimate([1, 0.5], [5.0, 2.0]).note
+
+
+@pytest.mark.parametrize("last", [1.1, 1.1 + 2e-16, 1.1 - 1e-13])
+def test_two_finest_values_that_stand_still_are_said_to(last):
+    """Uncertain by three times what a change of 0.1 from size 1 to 1/2 leaves at 1/4 with order 2."""
+    one = convergence.estimate([1, 0.5, 0.25], [1.2, 1.1, last])
+    assert "stand still" in one.note and one.limit == last and not one.extrapolated
+    assert one.uncertainty == pytest.approx(3 * 0.1 / 12, rel=1e-9)
+
+
+def made_up_records(values, folder):
+    return [{"asked": h, "meshsize": h, "dt": None, "cpu_s": 1 / h, "status": 0, "reason": "", "run": str(folder), "values": {"q": (value, "")}}
+            for h, value in zip((1, 0.5, 0.25), values)]
+
+
+@pytest.mark.parametrize("values, words, drawn", [((1.0, 1.15, 1.1), "the finest run", 2), ((1.4, 1.2, 1.15), "the extrapolated value", 3)])
+def test_without_extrapolation_errors_are_differences_to_the_finest_run(tmp_path, monkeypatch, values, words, drawn):
+    """Its own is not 0 but unknown: it stands neither in the lines, nor in the table, nor in the figure."""
+    one = study.Study("cases/made_up.edp", [1, 0.5, 0.25], [None], ["q"], out=tmp_path)
+    records = made_up_records(values, write_run(tmp_path / "run"))
+    references = study.references_of(one, records)
+    said = "\n".join(study_report.report(one, records, references))
+    assert ("extrapolated 1." in said) == (drawn == 3) == ("to the finest run" not in said) and said.count("Pareto") == drawn
+    assert ("h0.25" in said) == (drawn == 3)
+    for record in records:
+        record.update(wall_s=1, steps=1, memory_mib=1, timing=False, commit="")
+    study.write_study(one, records, references)
+    assert [row["error"] == "nan" for row in rows_of(tmp_path)] == [False, False, drawn == 2]
+    figures = []
+    monkeypatch.setattr(study_figure, "save", lambda figure, path: figures.append(figure))
+    study_figure.draw_study(one, records, "q", references["q"], 0.6)
+    assert words in figures[0].get_suptitle() and len(figures[0].axes[0].lines[0].get_xdata()) == drawn
+    assert ("uncertainty of the finest run" in [text.get_text() for text in figures[0].axes[0].get_legend().get_texts()]) == (drawn == 2)
+
+
+def test_sizes_of_uniform_meshes_are_those_of_their_cells(case, tmp_path, capsys):
+    """11, 17 and 22 cells along the side of the box: 1/0.06 is none."""
+    words = [str(case), "--quantity", "mean_v:0.3:0.4", "--dt", "0.1", "--recipe", "box --width 1 --height 1", "--out", str(tmp_path / "out")]
+    assert study.main([*words, "--meshsize", "0.09", "0.06", "0.045"]) == 0
+    said = capsys.readouterr().out
+    assert "0.0588235 for 0.06" in said and "observed order 2.00, limit -5.61 " in said
+    assert [float(row["meshsize"]) for row in rows_of(tmp_path / "out")] == pytest.approx([1 / 11, 1 / 17, 1 / 22])
+    with pytest.raises(BadInput, match="0.26 and 0.25 both make cells of 0.25"):
+        study.main([*words, "--meshsize", "0.26", "0.25"])
+
+
+def test_a_mesh_that_is_not_uniform_keeps_the_size_asked_for(tmp_path):
+    assert study.uniform_size(read_mesh(ROOT / "meshes" / "poiseuille.mesh")) == pytest.approx(1 / 8)
+    graded = ROOT / "meshes" / "cavity.mesh"
+    assert study.uniform_size(read_mesh(graded)) is None
+    assert study.true_sizes({0.1: graded, 0.3: ROOT / "meshes" / "poiseuille.mesh", 0.2: BadInput("none"), 0.4: graded.with_name("box.mesh")}) == {size: size for size in (0.1, 0.3, 0.2, 0.4)}
+    with pytest.raises(BadInput, match="0.1 and 0.2 make the same mesh"):
+        study.true_sizes({0.1: graded, 0.2: graded})
+
+
+def test_steps_that_differ_in_the_seventh_digit_have_runs_of_their_own():
+    assert study.name_of(0.0625, 0.0025) == "h0.0625_dt0.0025" != study.name_of(0.0625, 0.002500001)
 
 
 @given(st.lists(st.tuples(st.floats(0.1, 100), st.floats(-10, 10)), max_size=12))
@@ -194,7 +253,7 @@ def test_pareto_points_are_those_that_nothing_beats(points):
 @pytest.mark.parametrize("words", [
     ["cases/nothing.edp", "--quantity", "mean_v"], ["CASE"], ["CASE", "--quantity", "nothing"],
     ["CASE", "--quantity", "mean_v", "--meshsize", "-1"], ["CASE", "--quantity", "mean_v", "--dt", "fast"],
-    ["CASE", "--quantity", "mean_v", "--reference", "1", "2"], ["CASE", "--quantity", "mean_v", "--dt", "0.1", "0.1"],
+    ["CASE", "--quantity", "mean_v", "--reference", "1", "2"], ["CASE", "--quantity", "mean_v", "--dt", "0.1", "0.1"], ["CASE", "--quantity", "mean_v", "--dt", "0.1", "0.1000000000000001"],
     ["CASE", "--quantity", "mean_v", "--", "-dt", "0.1"], ["CASE", "--quantity", "mean_v", "--", "mu"],
     ["CASE", "--quantity", "mean_v", "--quantities", "nothing.py"],
     ["CASE", "--quantity", "mean_v", "--meshsize", "0.1", "--recipe", "box --width '1"]])

@@ -11,16 +11,20 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
+ROUNDING = 1e-11  # of the values: differences within it are of the 12 digits that are written
+
 
 @dataclass
 class Estimate:
     """What a family of values says of the limit. order: nan where none is seen;
     limit: the extrapolated value; uncertainty: half a width about the limit that should
-    hold the exact value (95 %); note: how it was found, in words."""
+    hold the exact value (95 %); note: how it was found, in words; extrapolated: False where
+    limit is the finest value itself."""
     order: float
     limit: float
     uncertainty: float
     note: str
+    extrapolated: bool = True
 
 
 def observed_order(sizes, values):
@@ -54,25 +58,30 @@ def estimate(sizes, values, formal=2.0):
     Three values in order that fall with the formal order within 10 %: factor of safety
     1.25; in order, but with another one: 3 with the order kept between 0.5 and the formal;
     two values: 3 with the formal order; values that oscillate: no extrapolation, and
-    three times their spread."""
+    three times their spread; the finest two equal to rounding: no extrapolation, and three
+    times the error that the change before leaves there with the formal order."""
     pairs = sorted((h, f) for h, f in zip(sizes, values) if math.isfinite(f))
     if len({h for h, _ in pairs}) < len(pairs):
         raise ValueError("two values of one size")
     if len(pairs) < 2:
         value = pairs[0][1] if pairs else math.nan
-        return Estimate(math.nan, value, math.nan, "one size only: no extrapolation")
+        return Estimate(math.nan, value, math.nan, "one size only: no extrapolation", False)
     (h1, f1), (h2, f2) = pairs[:2]
-    if all(f == f1 for _, f in pairs[:3]):
-        return Estimate(math.nan, f1, 0.0, "the value does not depend on the size")
+    finest = [f for _, f in pairs[:3]]
+    spread, rounding = max(finest) - min(finest), ROUNDING * max(map(abs, finest))
+    if spread <= rounding:
+        return Estimate(math.nan, f1, spread, "the value does not depend on the size", False)
+    if abs(f2 - f1) <= rounding:
+        left = spread * h1**formal / (pairs[2][0] ** formal - h2**formal)
+        return Estimate(math.nan, f1, 3 * left, f"the finest two stand still: no extrapolation, three times what the change before leaves with order {formal:g}", False)
     if len(pairs) == 2:
         p, safety, order, note = formal, 3.0, math.nan, f"two sizes: order {formal:g} assumed, factor of safety 3"
     else:
-        finest = [f for _, f in pairs[:3]]
         order = observed_order(*zip(*pairs[:3]))
         if math.isnan(order):
-            steady = (f2 - f1) * (finest[2] - f2) > 0
-            why = "the finest three do not fall with any order" if steady else "the finest three oscillate"
-            return Estimate(order, f1, 3 * (max(finest) - min(finest)), f"{why}: no extrapolation, three times their spread")
+            back = (f2 - f1) * (finest[2] - f2) < 0 and abs(finest[2] - f2) > rounding
+            why = "the finest three oscillate" if back else "the finest three do not fall with any order"
+            return Estimate(order, f1, 3 * spread, f"{why}: no extrapolation, three times their spread", False)
         if abs(order - formal) <= 0.1 * formal:
             p, safety, note = formal, 1.25, f"the order is within 10 % of {formal:g}: factor of safety 1.25"
         else:

@@ -13,7 +13,10 @@ Writes into --out (default results/study/CASE): study.csv (one row per run and q
 a run that failed is a row with its reason), study_QUANTITY.png (error over element size,
 over time step and over CPU time) and the runs. Prints observed orders, the extrapolated
 value with its uncertainty (grid convergence index) and the Pareto points. Without
---reference errors are taken against the extrapolated value.
+--reference errors are taken against the extrapolated value, or where there is none against
+the finest run (which then has no error of its own). Meshes are made with whole numbers of
+cells: where all are uniform, orders and study.csv are of the true size of their cells, along the
+shorter side of the domain.
 
 Status 0: all runs ended well; 1: some failed; 3: bad input.
 """
@@ -31,15 +34,19 @@ import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from tools import quantities
 from tools.command import ROOT, BadInput, Parser, guarded
+from tools.mesh_files import read_mesh
 from tools.run_folder import RunFolder
 from tools.runner import commit, cores, freefem, run_case, run_command, side_by_side
-from tools.study_report import extrapolated, name_of, report
+from tools.study_report import error_of, extrapolated, name_of, report
 from tools.tables import write_table
 
 COLUMNS = ["case", "meshsize", "dt", "options", "quantity", "value", "reference", "error", "relative_error",
            "cpu_s", "wall_s", "steps", "memory_mib", "timing", "commit", "status", "reason", "run"]
+SAME_LENGTH = 1e-6  # of a length: edges this close are of one length
 SOURCES = ("lib/*.idp", "scripts/*.edp", "scripts/*.idp")
 
 
@@ -85,7 +92,7 @@ def make_mesh(study, size):
     """The mesh file of an element size, made by tools.mesh unless it is there already.
     Raises BadInput with the reason."""
     recipe = shlex.split(study.recipe or study.case)
-    path = Path(study.out) / "meshes" / f"{re.sub('[^A-Za-z0-9.]+', '_', ' '.join(recipe))}_{size:g}.mesh"
+    path = Path(study.out) / "meshes" / f"{re.sub('[^A-Za-z0-9.]+', '_', ' '.join(recipe))}_{size:.12g}.mesh"
     makers = [*ROOT.glob("tools/mesh.py"), *ROOT.glob("tools/meshing/*.py"), *(ROOT / word for word in recipe[1:] if (ROOT / word).is_file())]
     if path.is_file() and all(path.stat().st_mtime > maker.stat().st_mtime for maker in makers):
         return path
@@ -93,9 +100,38 @@ def make_mesh(study, size):
     part = path.with_name("part_" + path.name)
     done = run_command([sys.executable, "-m", "tools.mesh", *recipe, "--size", f"{size:.12g}", "--out", part])
     if not done.ok or not part.is_file():
-        raise BadInput(f"no mesh of size {size:g}: {done.reason or 'tools.mesh wrote none'}")
+        raise BadInput(f"no mesh of size {size:.12g}: {done.reason or 'tools.mesh wrote none'}")
     os.replace(part, path)
     return path
+
+
+def uniform_size(mesh):
+    """The true element size of a uniform Mesh (at most three lengths of edges): that of its edges along the shorter
+    side of the domain, where a whole number of cells errs most; None of another."""
+    edges = np.abs(np.concatenate([mesh.points[mesh.triangles[:, k]] - mesh.points[mesh.triangles[:, k - 1]] for k in range(3)]))
+    lengths = np.sort(np.hypot(*edges.T))
+    if np.count_nonzero(np.diff(lengths) > SAME_LENGTH * lengths[0]) > 2:
+        return None
+    shorter = np.argmin(np.ptp(mesh.points, axis=0))
+    along = edges[edges[:, 1 - shorter] <= SAME_LENGTH * lengths[0], shorter]
+    return float(np.min(along if len(along) else lengths))
+
+
+def true_sizes(meshes):
+    """{size asked for: that of the mesh} of {size: mesh file}, the same where a mesh is not uniform. Raises BadInput
+    where two meshes are one, or have cells of one size."""
+    found = {}
+    for size, path in meshes.items():
+        if isinstance(path, Path):
+            found[size] = read_mesh(path)
+    true = {size: uniform_size(mesh) for size, mesh in found.items()}
+    uniform = all(true.values())
+    for a, b in itertools.combinations(found, 2):
+        if uniform and math.isclose(true[a], true[b], rel_tol=SAME_LENGTH):
+            raise BadInput(f"the sizes {a:.12g} and {b:.12g} both make cells of {true[a]:.6g}, for a whole number of them must fit: leave one out")
+        if np.array_equal(found[a].points, found[b].points) and np.array_equal(found[a].triangles, found[b].triangles):
+            raise BadInput(f"the sizes {a:.12g} and {b:.12g} make the same mesh: leave one out")
+    return {size: true[size] if uniform and size in true and not math.isclose(true[size], size, rel_tol=SAME_LENGTH) else size for size in meshes}
 
 
 def fingerprint(script, options):
@@ -198,9 +234,13 @@ def run_study(study, mesh_maker=make_mesh, say=print):
             except BadInput as problem:
                 return problem
         meshes = dict(zip(study.meshsizes, pool.map(mesh_of, study.meshsizes)))
+        true = true_sizes(meshes)
+        if list(true.values()) != list(true):
+            say("a whole number of cells must fit: " + ", ".join(f"{size:.6g} for {asked:.6g}" for asked, size in true.items()) + "; orders are of these sizes")
         waiting = {pool.submit(one_run, study, size, dt, meshes[size]): (size, dt) for size, dt in pairs}
         for future in concurrent.futures.as_completed(waiting):
-            record = measure(study, future.result(), functions)
+            size, dt = waiting[future]
+            record = measure(study, {**future.result(), "asked": size, "meshsize": true[size], "dt": dt}, functions)
             records.append(record)
             spent += weights[waiting[future]]
             write_study(study, records, references_of(study, records))
@@ -214,7 +254,7 @@ def run_study(study, mesh_maker=make_mesh, say=print):
 
 def progress(record, number, total, left):
     """One line on a run that ended."""
-    what = name_of(record["meshsize"], record["dt"]).replace("_", " ")
+    what = name_of(record["asked"], record["dt"]).replace("_", " ")
     cost = f"{record['cpu_s']:.2f} s CPU" if math.isfinite(record["cpu_s"]) else "no CPU time"
     result = ", ".join(f"{name} {value:.6g}" if not why else f"{name}: {why}" for name, (value, why) in record["values"].items())
     if record["status"] != 0:
@@ -237,7 +277,7 @@ def write_study(study, records, references):
     for record in records:
         for name, (value, why) in record["values"].items():
             reference = references[name]
-            error = value - reference
+            error = error_of(study, records, name, record, reference)
             size = abs(reference)
             rows.append([study.case, record["meshsize"], record["dt"],
                          " ".join(f"{k} {v}" for k, v in study.options.items()), name, value, reference, error,
@@ -303,7 +343,7 @@ def main(words=None, mesh_maker=make_mesh):
     if given.jobs < 1 or given.repeat < 1:
         raise BadInput("--jobs and --repeat must be at least 1")
     for name, values in (("--meshsize", given.meshsize), ("--dt", given.dt), ("--quantity", given.quantity)):
-        if values and len(set(values)) < len(values):
+        if values and len({name_of(value, None) if name != "--quantity" else value for value in values}) < len(values):
             raise BadInput(f"{name} names one value twice")
     script = os.path.relpath(Path(given.script).resolve(), ROOT) if Path(given.script).is_file() else given.script
     study = Study(script, given.meshsize or [None], given.dt or [None], given.quantity, given.reference,

@@ -8,6 +8,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocat
 from tools.convergence import pareto
 from tools.plotting import MARKERS, PAGE_WIDTH, curve, plt, save
 from tools.run_folder import RunFolder
+from tools.study_report import against, error_of
 
 
 def units_of(records):
@@ -44,10 +45,9 @@ def slopes(axes, sizes, top):
 
 def draw_study(study, records, quantity, reference, uncertainty):
     """Write study_QUANTITY.png; returns its path, None if no run has a finite error."""
-    rows = [r for r in records if math.isfinite(r["values"][quantity][0] - reference)]
     percent = 100 / abs(reference) if reference else 1.0
-    error = {id(r): percent * abs(r["values"][quantity][0] - reference) for r in rows}
-    rows = [r for r in rows if error[id(r)] > 0]
+    error = {id(r): percent * abs(error_of(study, records, quantity, r, reference)) for r in records}
+    rows = [r for r in records if 0 < error[id(r)] < math.inf]
     if not rows:
         return None
     units = units_of(records)
@@ -64,9 +64,11 @@ def draw_study(study, records, quantity, reference, uncertainty):
             line = sorted((r[key], error[id(r)]) for r in rows if r[other] == fixed and r[key] is not None)
             word = {"dt": "time step", "meshsize": "element size"}[other]
             axes.plot(*zip(*line), marker=MARKERS[k % len(MARKERS)], markersize=5, **curve(k),
-                      label=f"{word} {fixed:.4g}" if fixed is not None else None)
-        slopes(axes, [r[key] for r in rows if r[key] is not None], max(error.values()))
+                      label=f"{word} {fixed:.7g}" if fixed is not None else None)
+        slopes(axes, [r[key] for r in rows if r[key] is not None], max(error[id(r)] for r in rows))
         axes.set_xlabel(name)
+    what = against(study, records, quantity)
+    of = "the finest run" if what == "the finest run" else "the limit"
     last = panels[-1]
     timed = [r for r in rows if math.isfinite(r["cpu_s"]) and r["cpu_s"] > 0]
     for k, size in enumerate(sorted({r["meshsize"] for r in timed}, key=lambda v: -(v or 0))):
@@ -84,10 +86,9 @@ def draw_study(study, records, quantity, reference, uncertainty):
         axes.margins(x=0.12)
         axes.grid(True)
         if math.isfinite(uncertainty) and uncertainty > 0 and not study.references:
-            axes.axhspan(0, percent * uncertainty, color="#dddddd", zorder=0, label="uncertainty of the limit")
-    values = [value for value in error.values() if value > 0]
-    if values:
-        panels[0].set_ylim(0.5 * min(values), 2.0 * max(values))
+            axes.axhspan(0, percent * uncertainty, color="#dddddd", zorder=0, label=f"uncertainty of {of}")
+    values = [error[id(r)] for r in rows]
+    panels[0].set_ylim(0.5 * min(values), 2.0 * max(values))
     for axes, (key, _, _) in zip(panels, axes_of):
         plain(axes.xaxis, [r[key] for r in rows if r[key] is not None])
     plain(last.xaxis)
@@ -95,6 +96,5 @@ def draw_study(study, records, quantity, reference, uncertainty):
         axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=1)
     plain(panels[0].yaxis)
     panels[0].set_ylabel(label)
-    against = "the reference" if study.references else "the extrapolated value"
-    figure.suptitle(f"{study.case.replace('_', ' ')}: {quantity} against {against} {reference:.6g}", fontsize=10)
+    figure.suptitle(f"{study.case.replace('_', ' ')}: {quantity} against {what} {reference:.6g}", fontsize=10)
     return save(figure, study.out / f"study_{re.sub('[^A-Za-z0-9_.-]+', '_', quantity)}.png")

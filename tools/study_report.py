@@ -1,6 +1,6 @@
 """What a refinement study says: order, limit and uncertainty of each quantity, in lines.
 
-records: dicts of tools.study with meshsize, dt, cpu_s, status, reason and values
+records: dicts of tools.study with asked (the size asked for), meshsize, dt, cpu_s, status, reason and values
 {quantity: (value, reason)}.
 """
 import math
@@ -9,8 +9,8 @@ from tools import convergence
 
 
 def name_of(size, dt):
-    """The name of a run's folder."""
-    parts = [f"{letter}{value:g}" for letter, value in (("h", size), ("dt", dt)) if value is not None]
+    """The name of a run's folder: sizes of 12 digits are told apart."""
+    parts = [f"{letter}{value:.12g}" for letter, value in (("h", size), ("dt", dt)) if value is not None]
     return "_".join(parts) or "default"
 
 
@@ -38,21 +38,40 @@ def limits(study, records, quantity):
     return found
 
 
-def finest(records, quantity):
-    """The value at the smallest element size and step that has one."""
+def finest_run(records, quantity):
+    """The record of the smallest element size and step that has a value, None if none has."""
     good = [r for r in records if math.isfinite(r["values"][quantity][0])]
-    if not good:
-        return math.nan
-    return min(good, key=lambda r: ((r["meshsize"] or 0), (r["dt"] or 0)))["values"][quantity][0]
+    return min(good, key=lambda r: ((r["meshsize"] or 0), (r["dt"] or 0)), default=None)
+
+
+def finest(records, quantity):
+    """Its value, nan if none has one."""
+    run = finest_run(records, quantity)
+    return run["values"][quantity][0] if run else math.nan
 
 
 def extrapolated(study, records, quantity):
-    """(limit, uncertainty) in both sizes; nan where nothing can be said."""
+    """(limit, uncertainty) in both sizes, where no size extrapolates the finest value; nan where nothing can be said."""
     found = limits(study, records, quantity)
     if not found:
         return math.nan, math.nan
     return (finest(records, quantity) + sum(one.limit - value for one, value in found.values()),
             sum(one.uncertainty for one, _ in found.values()))
+
+
+def against(study, records, quantity):
+    """What errors are taken against, in words."""
+    if study.references:
+        return "the reference"
+    some = any(one.extrapolated for one, _ in limits(study, records, quantity).values())
+    return "the extrapolated value" if some else "the finest run"
+
+
+def error_of(study, records, quantity, record, reference):
+    """The error of a run; nan for the finest where errors are taken against it: it is not known there."""
+    if against(study, records, quantity) == "the finest run" and record is finest_run(records, quantity):
+        return math.nan
+    return record["values"][quantity][0] - reference
 
 
 def report(study, records, references):
@@ -63,7 +82,8 @@ def report(study, records, references):
         for key, (one, _) in limits(study, records, name).items():
             word = {"meshsize": "element size", "dt": "time step"}[key]
             order = f"observed order {one.order:.2f}" if math.isfinite(one.order) else "no observed order"
-            lines.append(f"  {word}: {order}, limit {one.limit:.6g} +- {one.uncertainty:.2g} ({one.note})")
+            what = "limit" if one.extrapolated else "finest value"
+            lines.append(f"  {word}: {order}, {what} {one.limit:.6g} +- {one.uncertainty:.2g} ({one.note})")
             if study.references:
                 sizes, values = family(records, name, key)
                 fit = convergence.fitted_order(sizes, [v - references[name] for v in values])
@@ -71,19 +91,21 @@ def report(study, records, references):
                     lines.append(f"    order of the error against the reference: {fit:.2f}")
         limit, uncertainty = extrapolated(study, records, name)
         if math.isfinite(limit):
-            lines.append(f"  finest {finest(records, name):.6g}, extrapolated {limit:.6g} +- {uncertainty:.2g}"
+            some = any(one.extrapolated for one, _ in limits(study, records, name).values())
+            lines.append(f"  finest {finest(records, name):.6g}" + (f", extrapolated {limit:.6g}" if some else "") + f" +- {uncertainty:.2g}"
+                         + ("" if some else ", nothing extrapolated" + ("" if study.references else ": errors are differences to the finest run"))
                          + (f", reference {references[name]:.6g}" if study.references else ""))
         else:
             lines.append("  nothing to extrapolate from")
         good = [r for r in records if math.isfinite(r["values"][name][0])]
-        errors = [r["values"][name][0] - references[name] for r in good]
+        errors = [error_of(study, records, name, r, references[name]) for r in good]
         for k in convergence.pareto([r["cpu_s"] for r in good], errors):
             share = f" ({100 * errors[k] / abs(references[name]):+.3g} %)" if references[name] else ""
             lines.append(f"  Pareto: {good[k]['cpu_s']:8.2f} s CPU, error {errors[k]:+.3g}{share}, "
-                         f"{name_of(good[k]['meshsize'], good[k]['dt']).replace('_', ' ')}")
+                         f"{name_of(good[k]['asked'], good[k]['dt']).replace('_', ' ')}")
     failed = [r for r in records if r["status"] != 0]
     for r in failed:
-        lines.append(f"failed: {name_of(r['meshsize'], r['dt']).replace('_', ' ')}: {r['reason']}")
+        lines.append(f"failed: {name_of(r['asked'], r['dt']).replace('_', ' ')}: {r['reason']}")
     if not study.timing and study.jobs > 1:
         lines.append("CPU times are of runs beside one another; --timing measures them one by one")
     return lines
