@@ -51,7 +51,9 @@ def draw_study(study, records, quantity, reference, uncertainty):
     if not rows:
         return None
     units = units_of(records)
-    label = f"error of {quantity.split(':')[0]}" + (" (%)" if reference else "")
+    what = against(study, records, quantity)
+    kind, of = ("difference", "the finest run") if what == "the finest run" else ("error", "the limit")
+    label = f"{kind} of {quantity.split(':')[0]}" + (" (%)" if reference else "")
     axes_of = [(key, other, name) for key, other, name in (
         ("meshsize", "dt", f"element size ({units['length']})"), ("dt", "meshsize", f"time step ({units['time']})"))
         if len({r[key] for r in rows if r[key] is not None}) > 1]
@@ -67,8 +69,6 @@ def draw_study(study, records, quantity, reference, uncertainty):
                       label=f"{word} {fixed:.7g}" if fixed is not None else None)
         slopes(axes, [r[key] for r in rows if r[key] is not None], max(error[id(r)] for r in rows))
         axes.set_xlabel(name)
-    what = against(study, records, quantity)
-    of = "the finest run" if what == "the finest run" else "the limit"
     last = panels[-1]
     timed = [r for r in rows if math.isfinite(r["cpu_s"]) and r["cpu_s"] > 0]
     for k, size in enumerate(sorted({r["meshsize"] for r in timed}, key=lambda v: -(v or 0))):
