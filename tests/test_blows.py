@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 
 from tests.test_boundaries import case
+from tools.command import ROOT
 from tools.run_folder import RunFolder
 
 
@@ -51,3 +52,28 @@ def test_nothing_overlaps_in_the_first_move(bodies, freefem_text, tmp_path):
         one, two = (np.column_stack([rows["x"], rows["y"]])[rows["id"] == k] for k in (0, 1))
         assert (np.hypot(*(one - two).T) - 0.24).min() > -1e-6 * 0.12
     assert np.abs(rows["u"]).max() < 10
+
+
+PUSH = """macro caseStep() {
+    real[int] jump = [JUMP, 0.], ju(flowNw), jv(flowNw), e(flowNq), got(3);
+    ju = 0; jv = 0;
+    rigidSpread(jump, ju, jv);
+    blowFlow(ju, jv, e);
+    ju = flowBX'*e; jv = flowBY'*e;
+    rigidGather(ju, jv, got);
+    cout << "added " << got[0] << " " << got[1] << endl;
+} // EOM"""
+
+
+@pytest.mark.parametrize("place, jump, exact, within", [
+    ((0.003, 0.007), (1, 0), 1.04 / 0.96, 0.03),       # in the middle of a round container five times as wide: (R^2 + a^2)/(R^2 - a^2)
+    ((0.003, -0.79), (0, 1), np.pi**2 / 3 - 1, 0.15)])  # near its wall, nearly plane there: two cylinders that touch (the gap is of an element)
+def test_the_flow_of_a_blow_has_the_added_mass_of_an_ideal_fluid(place, jump, exact, within, freefem_text, tmp_path):
+    mesh = tmp_path / "round.mesh"
+    text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(200)), "{mesh}");\n'
+    text += case(f"bodyDisk({place[0]}, {place[1]}, 0.2, 2);", walls="labelWall", more=PUSH.replace("JUMP", f"{jump[0]}., {jump[1]}."))
+    driver = (ROOT / "scripts/resolved.edp").read_text().split('if (scheme == "published") {')[0]  # which has no blowFlow
+    text = text.replace('include "scripts/resolved.edp"', driver)
+    done = freefem_text(text, "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
+    added = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("added")).split()[1:]]
+    assert -np.dot(added, jump) / (np.pi * 0.04) == pytest.approx(exact, rel=within)
