@@ -97,15 +97,15 @@ DRAIN = "border hole(s = 0, 2*pi) { x = 0.5 + 0.15*cos(s); y = 0.5 + 0.15*sin(s)
 PERIODIC = "\n".join(SEAM.splitlines()[1:4])
 
 
-def square(file, above="1 - s", edges=12, hole=""):
-    """A mesh of the unit square; above: x of the vertices on the upper side, of so many edges, by s from 0 to 1; hole: its border."""
+def square(file, above="1 - s", edges=12, hole="", sides=12):
+    """A mesh of the unit square, of so many edges a side; above: x of the vertices on the upper side, of so many edges, by s from 0 to 1; hole: its border."""
     return f"""
 border below(s = 0, 1) {{ x = s; y = 0; label = 13; }}
 border beside(s = 0, 1) {{ x = 1; y = s; label = 12; }}
 border upper(s = 0, 1) {{ x = {above}; y = 1; label = 14; }}
 border before(s = 1, 0) {{ x = 0; y = s; label = 11; }}
 {hole}
-savemesh(buildmesh(below(12) + beside(12) + upper({edges}) + before(12){hole and " + hole(-20)"}), "{file}");
+savemesh(buildmesh(below({sides}) + beside({sides}) + upper({edges}) + before({sides}){hole and " + hole(-20)"}), "{file}");
 """
 
 

@@ -3,19 +3,12 @@ import numpy as np
 import pytest
 
 from tests.conftest import run_freefem
-from tests.test_boundaries import case
+from tests.test_boundaries import case, square
 from tools.mesh_files import read_mesh
 from tools.meshing.medit import write
 from tools.meshing.plane_mesh import PlaneMesh
 from tools.run_folder import RunFolder
 
-BOX = """
-border below(s = 0, 1) {{ x = s; y = 0; label = 13; }}
-border beside(s = 0, 1) {{ x = 1; y = s; label = 12; }}
-border above(s = 1, 0) {{ x = s; y = 1; label = 14; }}
-border before(s = 1, 0) {{ x = 0; y = s; label = 11; }}
-savemesh(buildmesh(below(14) + beside(14) + above(14) + before(14)), "{file}");
-"""
 SWAP = {11: "labelLeft", 12: "labelRight", 13: "labelBottom", 14: "labelTop"}
 
 
@@ -43,7 +36,7 @@ def test_half_of_a_scene_moves_as_the_whole(scene, freefem_text, tmp_path):
     plane, bodies, pull = SCENES[scene]
     axis, at = (0, 0.0) if plane == 11 else (1, 1.0)
     script = tmp_path / "mesh.edp"
-    script.write_text(BOX.format(file=tmp_path / "half.mesh"))
+    script.write_text(square(tmp_path / "half.mesh", edges=14, sides=14))
     run_freefem(script)
     half = read_mesh(tmp_path / "half.mesh")
     write(mirrored(half, plane), tmp_path / "whole.mesh")

@@ -59,12 +59,16 @@ def extrapolated(study, records, quantity):
             sum(one.uncertainty for one, _ in found.values()))
 
 
+def extrapolates(study, records, quantity):
+    """Whether the limit in some size is more than the finest value."""
+    return any(one.extrapolated for one, _ in limits(study, records, quantity).values())
+
+
 def against(study, records, quantity):
     """What errors are taken against, in words."""
     if study.references:
         return "the reference"
-    some = any(one.extrapolated for one, _ in limits(study, records, quantity).values())
-    return "the extrapolated value" if some else "the finest run"
+    return "the extrapolated value" if extrapolates(study, records, quantity) else "the finest run"
 
 
 def error_of(study, records, quantity, record, reference):
@@ -91,7 +95,7 @@ def report(study, records, references):
                     lines.append(f"    order of the error against the reference: {fit:.2f}")
         limit, uncertainty = extrapolated(study, records, name)
         if math.isfinite(limit):
-            some = any(one.extrapolated for one, _ in limits(study, records, name).values())
+            some = extrapolates(study, records, name)
             lines.append(f"  finest {finest(records, name):.6g}" + (f", extrapolated {limit:.6g}" if some else "") + f" +- {uncertainty:.2g}"
                          + ("" if some else ", nothing extrapolated" + ("" if study.references else ": errors are differences to the finest run"))
                          + (f", reference {references[name]:.6g}" if study.references else ""))
