@@ -57,6 +57,14 @@ def test_a_column_brings_its_own_tolerance(tmp_path):
     assert tolerances(["u", "v:1e-3", "y:0:2"], 1e-6, 0.5) == {"u": (1e-6, 0.5), "v": (1e-3, 0.5), "y": (0, 2)}
 
 
+def test_gaps_are_compared_where_they_are_asked_for(tmp_path):
+    a, b = write_run(tmp_path / "a"), write_run(tmp_path / "b")
+    for folder, gap in ((a, 1e-16), (b, -2e-16)):
+        write_csv(folder / "contacts.csv", "t,i,j,gap,nx,ny,impulse".split(","), [(0.1, 0, 1, gap, 0.0, 1.0, 2.0)])
+    assert compare(b, a)
+    assert not compare(b, a, ["gap"]) and compare(b, a, ["gap:0:1e-12"])
+
+
 def test_times_are_aligned_from_either_side(tmp_path):
     fine, coarse = np.linspace(0, 1, 101), np.linspace(0, 1, 7)
     a = table(tmp_path / "fine.csv", fine, fine**2)

@@ -169,3 +169,9 @@ include "scripts/contacts.edp"
 """
     done = freefem_text(scene, "-tend", "0.5", "-dt", "0.01", "-out", tmp_path / "run")
     assert "complete at t = 0.5 s after 50 steps" in done.stdout
+
+
+def test_a_disk_too_fast_for_any_step_stops_the_run(freefem_refused, tmp_path):
+    disks = particles(tmp_path, (1, 1.2, 3, 0.125, 1.25, 1e12, 0, 0))
+    line = freefem_refused(4, "cases/settling_disk.edp", "-particles", disks, "-out", tmp_path / "run")
+    assert "-cfl allows no more than steps of" in line and len(RunFolder(tmp_path / "run").table("particles")["t"]) == 0

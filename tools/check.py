@@ -5,7 +5,7 @@
 RUN and REFERENCE are run folders or CSV files. A column may bring its own tolerances,
 NAME:RTOL or NAME:RTOL:ATOL; a value passes where |got - expected| <= atol + rtol |expected|.
 Without --columns every column that the reference has is compared, but for step counts,
-dt, iterations and wall-clock times.
+dt, iterations, wall-clock times and gaps (of what touches they are rounding).
 
 Rows are aligned by time, for each particle id and each label of the boundary by itself. Where the times differ, the
 denser of the two is interpolated linearly at the times of the other, so the tolerance
@@ -33,7 +33,7 @@ from tools.tables import read_table
 
 TABLES = ("particles", "fluid", "contacts", "forces", "wallforces", "budget")
 KEYS = ("id", "label", "i", "j")  # columns that tell the rows of one time apart
-NOT_COMPARED = ("step", "dt", "iterations")
+NOT_COMPARED = ("step", "dt", "iterations", "gap", "worst_gap")
 SAME_TIME = 1e-9  # of the length of the run: times this close are one time
 
 
