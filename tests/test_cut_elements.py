@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 
 from tests.test_particles import rows, script
+from tools.run_folder import RunFolder
 
 CELLS = 16
 FIND = """
@@ -123,3 +124,11 @@ def test_small_bodies_and_none_cut_nothing(freefem_text):
     text = FIND + "bodyKeep(none); rigidStale = 1; rigidFind(); cutFind(); real[int] r(flowNq), q(0); r = 0; cutFlux(flowU, flowV, q, r); cout << \"left \" << cutN << \" \" << r.linfty << endl;"
     out = run(freefem_text, disks([(0.5, 0.5, 0.1)]), "int[int] none(0);\n" + text)
     assert rows(out, "pairs")[0, 0] > 10 and tuple(rows(out, "left")[0]) == (0, 0)
+
+
+@pytest.mark.parametrize("place", [(0.5, 0.5), (0.513, 0.527)])
+def test_a_cylinder_that_nearly_fills_its_period_is_cut_where_it_is(place, freefem, tmp_path):
+    """Solid fraction 0.75: the nodes beyond the gap are those of its neighbour's side. The force on the fluid is what holds the cylinder (0.4 of it before)."""
+    freefem("cases/cylinder_array.edp", "-fraction", 0.75, "-x", place[0], "-y", place[1], "-out", tmp_path / "run")
+    drag = RunFolder(tmp_path / "run").table("summary")
+    assert drag["drag"][-1] == pytest.approx(drag["drag_by_balance"][-1], rel=1e-4) and drag["drag"][-1] > 4e4

@@ -16,7 +16,9 @@ value with its uncertainty (grid convergence index) and the Pareto points. Witho
 --reference errors are taken against the extrapolated value, or where there is none against
 the finest run (which then has no error of its own). Meshes are made with whole numbers of
 cells: where all are uniform, orders and study.csv are of the true size of their cells, along the
-shorter side of the domain.
+shorter side of the domain. Where sizes do not say how fine the meshes are (a gmsh script of which --size is a bound only: add
+--proportional to its --recipe), that is told. Runs whose steps -cfl made smaller than --dt have no part in the order of the time step:
+keep them by -- -cfl 0.
 
 Status 0: all runs ended well; 1: some failed; 3: bad input.
 """
@@ -45,8 +47,9 @@ from tools.study_report import error_of, extrapolated, name_of, report
 from tools.tables import write_table
 
 COLUMNS = ["case", "meshsize", "dt", "options", "quantity", "value", "reference", "error", "relative_error",
-           "cpu_s", "wall_s", "steps", "memory_mib", "timing", "commit", "status", "reason", "run"]
+           "cpu_s", "wall_s", "steps", "vertices", "memory_mib", "timing", "commit", "status", "reason", "run"]
 SAME_LENGTH = 1e-6  # of a length: edges this close are of one length
+SAME_PLACE = 1e-9  # of the domain: points this close are one
 SOURCES = ("lib/*.idp", "scripts/*.edp", "scripts/*.idp")
 
 
@@ -117,6 +120,12 @@ def uniform_size(mesh):
     return float(np.min(along if len(along) else lengths))
 
 
+def same_mesh(one, other):
+    """Whether two Meshes are one, to rounding."""
+    return np.array_equal(one.triangles, other.triangles) and \
+        np.allclose(one.points, other.points, rtol=0, atol=SAME_PLACE * np.ptp(one.points, axis=0).max())
+
+
 def true_sizes(meshes):
     """{size asked for: that of the mesh} of {size: mesh file}, the same where a mesh is not uniform. Raises BadInput
     where two meshes are one, or have cells of one size."""
@@ -129,7 +138,7 @@ def true_sizes(meshes):
     for a, b in itertools.combinations(found, 2):
         if uniform and math.isclose(true[a], true[b], rel_tol=SAME_LENGTH):
             raise BadInput(f"the sizes {a:.12g} and {b:.12g} both make cells of {true[a]:.6g}, for a whole number of them must fit: leave one out")
-        if np.array_equal(found[a].points, found[b].points) and np.array_equal(found[a].triangles, found[b].triangles):
+        if same_mesh(found[a], found[b]):
             raise BadInput(f"the sizes {a:.12g} and {b:.12g} make the same mesh: leave one out")
     return {size: true[size] if uniform and size in true and not math.isclose(true[size], size, rel_tol=SAME_LENGTH) else size for size in meshes}
 
@@ -186,24 +195,31 @@ def one_run(study, size, dt, mesh):
 
 
 def steps_of(run):
-    """Number of the last step, nan if no table tells."""
-    for name in ("fluid", "particles"):
+    """(number, time) of the last step, nan if no table tells."""
+    for name in ("fluid", "steps", "particles"):
         if run.has(name):
             table = run.table(name)
-            if "step" in table and len(table["step"]):
-                return float(table["step"].max())
-    return math.nan
+            if "step" in table and "t" in table and len(table["step"]):
+                return float(table["step"].max()), float(table["t"].max())
+    return math.nan, math.nan
+
+
+def made_smaller(steps, time_at_end, dt):
+    """The mean step of a run that took more than steps of dt (s) would have been, else 0."""
+    return time_at_end / steps if dt and steps > 1.02 * math.ceil(time_at_end / dt * (1 - 1e-9)) + 1 else 0.0
 
 
 def measure(study, record, functions):
-    """Steps and quantities of a run that ended, added to its record."""
-    record["steps"], record["values"] = math.nan, {}
+    """Steps, vertices and quantities of a run that ended, added to its record."""
+    record["steps"], record["vertices"], record["mean_dt"], record["values"] = math.nan, math.nan, 0.0, {}
     if record["status"] != 0:
         record["values"] = {name: (math.nan, record["reason"]) for name in functions}
         return record
     try:
         run = RunFolder(record["run"])
-        record["steps"] = steps_of(run)
+        record["steps"], until = steps_of(run)
+        record["mean_dt"] = made_smaller(record["steps"], until, record["dt"])
+        record["vertices"] = len(run.mesh.points) if run.mesh is not None else math.nan
     except BadInput as problem:
         record["values"] = {name: (math.nan, str(problem)) for name in functions}
         return record
@@ -281,7 +297,7 @@ def write_study(study, records, references):
             size = abs(reference)
             rows.append([study.case, record["meshsize"], record["dt"],
                          " ".join(f"{k} {v}" for k, v in study.options.items()), name, value, reference, error,
-                         error / size if size > 0 else math.nan, record["cpu_s"], record["wall_s"], record["steps"],
+                         error / size if size > 0 else math.nan, record["cpu_s"], record["wall_s"], record["steps"], record["vertices"],
                          record["memory_mib"], int(bool(record["timing"])), record["commit"], record["status"], why,
                          os.path.relpath(record["run"], study.out)])
     part = study.out / "study.csv.part"

@@ -1,7 +1,7 @@
 """What a refinement study says: order, limit and uncertainty of each quantity, in lines.
 
-records: dicts of tools.study with asked (the size asked for), meshsize, dt, cpu_s, status, reason and values
-{quantity: (value, reason)}.
+records: dicts of tools.study with asked (the size asked for), meshsize, dt, mean_dt (where -cfl made the steps
+smaller, else 0), vertices, cpu_s, status, reason and values {quantity: (value, reason)}.
 """
 import math
 
@@ -21,7 +21,8 @@ def family(records, quantity, key):
     best = ([], [])
     for fixed in sorted({r[other] for r in records}, key=lambda v: -(v or 0)):
         rows = sorted((r[key], r["values"][quantity][0]) for r in records
-                      if r[other] == fixed and r[key] is not None and math.isfinite(r["values"][quantity][0]))
+                      if r[other] == fixed and r[key] is not None and math.isfinite(r["values"][quantity][0])
+                      and not (key == "dt" and r.get("mean_dt")))
         if rows and min(len(rows), 3) >= min(len(best[0]), 3):
             best = tuple(map(list, zip(*rows)))
     return best
@@ -78,9 +79,23 @@ def error_of(study, records, quantity, record, reference):
     return record["values"][quantity][0] - reference
 
 
+def doubts(records):
+    """What the sizes that were asked for do not say, in lines."""
+    lines, counts = [], {r["meshsize"]: r["vertices"] for r in records if r["meshsize"] and r.get("vertices", math.nan) > 0}
+    smaller = sorted({(r["dt"], r["mean_dt"]) for r in records if r.get("mean_dt")}, reverse=True)
+    if smaller:
+        lines.append("note: -cfl made steps smaller: " + ", ".join(f"{mean:.3g} s in the mean instead of {dt:.3g}" for dt, mean in smaller)
+                     + "; these runs have no part in an order of the time step (-- -cfl 0 keeps the steps)")
+    for fine, coarse in zip(sorted(counts), sorted(counts)[1:]):
+        if not 0.75 < counts[fine] / counts[coarse] * (fine / coarse) ** 2 < 1.33:
+            lines.append(f"note: sizes {coarse:.6g} and {fine:.6g} make {counts[coarse]} and {counts[fine]} vertices, {counts[fine] / counts[coarse]:.3g} times as many where "
+                         f"{(coarse / fine) ** 2:.3g} would be refined everywhere: the orders are not those of the scheme (a gmsh script: --proportional)")
+    return lines
+
+
 def report(study, records, references):
     """What the study says of each quantity, in lines."""
-    lines = []
+    lines = doubts(records)
     for name in study.quantities:
         lines.append(f"{name}:")
         for key, (one, _) in limits(study, records, name).items():

@@ -10,7 +10,8 @@ is the label:
 A physical curve within the domain is left out, with a warning; so are surfaces of a script that belong
 to no physical surface where there is one. A script is meshed with its own element sizes, or with --size
 where those are larger (transfinite curves keep their points), and scaled by its Mesh.ScalingFactor; --size
-is a size of the scaled mesh. Sides of a period need matching nodes (gmsh: Periodic Curve).
+is a size of the scaled mesh. For a refinement study of a script with several sizes add --proportional: all sizes
+by one factor, so that the largest elements are of --size. Sides of a period need matching nodes (gmsh: Periodic Curve).
 """
 import re
 import sys
@@ -32,6 +33,7 @@ MOST = 1e8  # squares of the element size in the box round a domain
 def add_options(parser):
     parser.add_argument("--from", dest="source", metavar="FILE", required=True, help="gmsh script (.geo) or mesh (.msh)")
     parser.add_argument("--size", type=positive, metavar="L", help="of a script: largest element size (default: that of the script)")
+    parser.add_argument("--proportional", action="store_true", help="with --size: all sizes of the script by one factor, so that its largest elements are of this size")
 
 
 def build(options):
@@ -44,11 +46,28 @@ def build(options):
         raise BadInput(f"cannot read '{source}': {problem.strerror}") from None
     if source.suffix == ".geo" and last.strip():
         raise BadInput(f"'{source}' ends without a newline; gmsh drops statements of its last line: add one")
-    return None, with_gmsh(lambda gmsh: read(gmsh, source, options.size), f"gmsh cannot make a mesh of '{source}'")
+    return None, with_gmsh(lambda gmsh: read(gmsh, source, options.size, options.proportional), f"gmsh cannot make a mesh of '{source}'")
 
 
-def read(gmsh, source, size):
-    """The PlaneMesh of a file, meshed if it is a script. Raises BadInput."""
+def proportional(gmsh, scale, factor, size):
+    """Sets gmsh's factor on all sizes so that the largest elements (of every twenty the largest) are of this size. Raises BadInput."""
+    gmsh.model.mesh.generate(2)
+    points, triangles, _ = extracted(gmsh, [-1])
+    first, second = (points[triangles[:, k], :2] - points[triangles[:, 0], :2] for k in (1, 2))
+    areas = 0.5 * abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+    if not len(areas):
+        return
+    largest = scale * np.sqrt(4 / np.sqrt(3) * np.quantile(areas, 0.95))
+    if len(areas) * (largest / size) ** 2 > MOST:
+        raise BadInput(f"--size {size:g} makes more than {MOST:g} triangles")
+    gmsh.model.mesh.clear()
+    gmsh.option.setNumber("Mesh.MeshSizeFactor", factor * size / largest)
+
+
+def read(gmsh, source, size, all_sizes=False):
+    """The PlaneMesh of a file, meshed if it is a script; all_sizes: --proportional. Raises BadInput."""
+    if all_sizes and not size:
+        raise BadInput("--proportional needs --size")
     if source.suffix == ".geo" and re.search(r"^[ \t]*Exit[ \t]*;", source.read_text(encoding="utf-8", errors="replace"), re.MULTILINE):
         raise BadInput(f"'{source}' has the command Exit, which ends the program before there is a mesh: take it out")
     gmsh.open(str(source))
@@ -57,7 +76,9 @@ def read(gmsh, source, size):
         scale, factor, largest, least, every = (gmsh.option.getNumber("Mesh." + name) for name in ("ScalingFactor", "MeshSizeFactor", "MeshSizeMax", "MeshSizeMin", "SaveAll"))
         if not (scale > 0 and factor > 0):
             raise BadInput(f"'{source}' has Mesh.ScalingFactor {scale:g} and Mesh.MeshSizeFactor {factor:g}: both must be above 0")
-        if size:
+        if size and all_sizes:
+            proportional(gmsh, scale, factor, size)
+        elif size:
             x0, y0, _, x1, y1, _ = (scale * bound for bound in gmsh.model.getBoundingBox(-1, -1))
             if (x1 - x0) * (y1 - y0) / size**2 > MOST:
                 raise BadInput(f"--size {size:g} makes more than {MOST:g} triangles of a domain of {x1 - x0:g} times {y1 - y0:g}")
