@@ -175,3 +175,13 @@ def test_a_disk_too_fast_for_any_step_stops_the_run(freefem_refused, tmp_path):
     disks = particles(tmp_path, (1, 1.2, 3, 0.125, 1.25, 1e12, 0, 0))
     line = freefem_refused(4, "cases/settling_disk.edp", "-particles", disks, "-out", tmp_path / "run")
     assert "-cfl allows no more than steps of" in line and len(RunFolder(tmp_path / "run").table("particles")["t"]) == 0
+
+
+def test_a_mesh_of_savemesh_is_read_again_from_the_folder_of_the_run(freefem, freefem_text, freefem_refused, tmp_path):
+    """savemesh names a second file beside the mesh, without which FreeFEM reads neither."""
+    freefem_text(f'mesh Th = readmesh("meshes/poiseuille.mesh");\nsavemesh(Th, "{tmp_path}/mine.mesh");\n')
+    assert "Geometry" in (tmp_path / "mine.mesh").read_text()
+    freefem("cases/poiseuille.edp", "-mesh", tmp_path / "mine.mesh", "-tend", 0.01, "-out", tmp_path / "run")
+    (tmp_path / "mine.mesh.gmsh").unlink()
+    freefem("cases/poiseuille.edp", "-mesh", tmp_path / "run/mesh.mesh", "-tend", 0.01, "-out", tmp_path / "again")
+    assert "Geometry" in freefem_refused(3, "cases/poiseuille.edp", "-mesh", tmp_path / "mine.mesh", "-out", tmp_path / "none")
