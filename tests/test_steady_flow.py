@@ -378,3 +378,36 @@ def test_a_flow_that_is_not_found_says_so(freefem_refused, tmp_path):
 def test_half_a_pipe_needs_its_axis(freefem_refused, tmp_path):
     mesh = write_box(tmp_path / "pipe.mesh", 1.0, 0.0, 0.1, 24, 6, bottom=8)
     assert "-axisymmetric 1" in freefem_refused(3, "cases/pipe_flow.edp", "-mesh", mesh, "-model", "laminar", "-reynolds", 100, "-out", tmp_path / "run")
+
+
+def sides(prefix, *corners):
+    """FreeFEM borders round corners (x, y, label of the side from there on, edges)."""
+    lines, calls = [], []
+    for k, (x, y, label, edges) in enumerate(corners):
+        to = corners[(k + 1) % len(corners)]
+        name = f"{prefix}{k}"
+        lines.append(f"border {name}(t = 0, 1) {{ x = {x} + t*({to[0] - x}); y = {y} + t*({to[1] - y}); label = {label}; }}")
+        calls.append(f"{name}({edges})")
+    return "\n".join(lines), " + ".join(calls)
+
+
+def test_walls_of_a_body_in_the_stream(freefem, freefem_text, run_folder, tmp_path):
+    """A long block in mid-channel leaves two gaps: in the middle of them both walls have the shear of a plane Poiseuille flow, and nothing flows back."""
+    outer, pipe = sides("outer", (0, -0.1, 3, 60), (1, -0.1, 2, 16), (1, 0.1, 3, 60), (0, 0.1, 1, 16))
+    inner, block = sides("inner", (0.25, -0.05, 5, 12), (0.25, 0.05, 5, 50), (0.75, 0.05, 5, 12), (0.75, -0.05, 5, 50))
+    freefem_text(f'{outer}\n{inner}\nmesh Th = buildmesh({pipe} + {block});\nsavemesh(Th, "{tmp_path}/block.mesh");\n')
+    found = run(freefem, run_folder, "pipe_flow", "-mesh", tmp_path / "block.mesh", "-model", "laminar", "-reynolds", 1, "-vmax", 1)
+    mu = 998.2 * 0.2
+    exact = 6 * mu * found["flux_in"] / 2 / 0.05**2
+    middle = [r for r in rows(run_folder / "wall.csv") if 0.45 < r["x"] < 0.55]
+    assert len({(r["wall"], r["side"]) for r in middle}) == 4
+    for r in middle:
+        assert r["shear"] == pytest.approx(exact, rel=0.02)
+    assert rows(run_folder / "zones.csv") == []
+
+
+def test_the_profile_is_that_of_a_narrow_inlet(freefem, freefem_text, run_folder, tmp_path):
+    outer, calls = sides("outer", (0, 0, 8, 50), (1, 0, 2, 12), (1, 0.1, 3, 40), (0.3, 0.1, 3, 8), (0.3, 0.05, 3, 20), (0, 0.05, 1, 8))
+    freefem_text(f'{outer}\nmesh Th = buildmesh({calls});\nsavemesh(Th, "{tmp_path}/wider.mesh");\n')
+    found = run(freefem, run_folder, "pipe_flow", "-mesh", tmp_path / "wider.mesh", "-model", "laminar", "-reynolds", 20, "-vmax", 2, "-axisymmetric", 1)
+    assert found["flux_in"] == pytest.approx(math.pi * 0.05**2, rel=1e-9) and found["mean_velocity"] == pytest.approx(1, rel=1e-9)

@@ -61,15 +61,16 @@ def draw_streams(axes, grid, velocity):
 
 
 def draw_walls(run, path):
-    """Wall shear and pressure along the lower and the upper wall; zones of reversed flow grey."""
+    """Wall shear and pressure along the walls below and above the fluid; zones of reversed flow grey."""
     wall, zones = run.table("wall"), run.table("zones")
     figure, both = plt.subplots(2, 1, figsize=(PAGE_WIDTH, 4.4), sharex=True, layout="constrained")
-    for k, (side, name) in enumerate(((-1, "lower wall"), (1, "upper wall"))):
+    for k, (side, name) in enumerate(((-1, "walls below the fluid"), (1, "walls above it"))):
         own = wall["side"] == side
         if not own.any():
             continue
+        ends = np.flatnonzero(np.diff(wall["wall"][own])) + 1 if "wall" in wall else []  # a gap between walls that do not hang together
         for axes, column in zip(both, ("shear", "pressure")):
-            axes.plot(wall["x"][own], wall[column][own], **curve(k), label=name)
+            axes.plot(np.insert(wall["x"][own], ends, np.nan), np.insert(wall[column][own], ends, np.nan), **curve(k), label=name)
     for side, start, end in zip(zones["side"], zones["separation"], zones["reattachment"]):
         for axes in both:
             axes.axvspan(start, end, ymin=0 if side < 0 else 0.96, ymax=0.04 if side < 0 else 1, color="#9a9a9a")
@@ -78,8 +79,10 @@ def draw_walls(run, path):
     # a sharp edge carries a peak that would hide the rest
     spread = np.nanpercentile(abs(wall["shear"]), 97)
     both[0].set_ylim(-1.3 * spread, 1.3 * spread)
+    if np.nanmax(abs(wall["shear"])) > 1.3 * spread:
+        both[0].set_title(f"peaks at sharp edges, up to {np.nanmax(abs(wall['shear'])):.3g} Pa, are cut off", fontsize="small")
     both[1].set_ylabel("wall pressure (Pa)")
-    both[1].set_xlabel("x (m); grey bars: reversed flow at the lower (bottom) and upper (top) wall")
+    both[1].set_xlabel("x (m); grey bars: reversed flow at walls below (bottom) and above (top)")
     for axes in both:
         axes.grid(True)
     both[1].legend(loc="best")
