@@ -185,3 +185,10 @@ def test_a_mesh_of_savemesh_is_read_again_from_the_folder_of_the_run(freefem, fr
     (tmp_path / "mine.mesh.gmsh").unlink()
     freefem("cases/poiseuille.edp", "-mesh", tmp_path / "run/mesh.mesh", "-tend", 0.01, "-out", tmp_path / "again")
     assert "Geometry" in freefem_refused(3, "cases/poiseuille.edp", "-mesh", tmp_path / "mine.mesh", "-out", tmp_path / "none")
+
+
+@pytest.mark.parametrize("x, warned", [(0.02, True), (0.3, False)])
+def test_a_disk_that_reaches_into_an_inlet_is_warned_of(x, warned, freefem, coarse, tmp_path):
+    disks = particles(tmp_path, (7, x, 0, 0.05, 1200, 0, 0, 0))
+    done = freefem("cases/pipe_obstacles.edp", "-mesh", coarse, "-number", 0, "-particles", disks, "-tend", 0.001, "-dt", 0.001, "-out", tmp_path / "run")
+    assert ("particle 7 reaches into an inlet" in done.stdout + done.stderr) == warned

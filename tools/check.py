@@ -68,7 +68,7 @@ class Place:
                 f"{self.expected:.12g}, difference {abs(self.got - self.expected):.3g}, tolerance {self.allowed:.3g}")
 
 
-@dataclass
+@dataclass(repr=False)
 class Comparison:
     """The outcome: true if all is within tolerance; its text says the worst place."""
     compared: int = 0
@@ -92,6 +92,8 @@ class Comparison:
         if self.failed:
             lines.append(f"mismatch: {self.failed} of {self.compared} values; the worst is {self.worst}")
         return "\n".join(lines)
+
+    __repr__ = __str__  # what pytest shows of a failed assertion
 
     def take(self, places_of, got, expected, allowed):
         """Count arrays of values; places_of(k) makes the Place of the k-th."""

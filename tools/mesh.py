@@ -53,7 +53,9 @@ def is_foreign(path):
 
 
 def main():
-    options = parser().parse_args()
+    options, unknown = parser().parse_known_args()
+    if unknown:
+        raise BadInput(f"{' '.join(unknown)}: not known to {options.case} (python -m tools.mesh {options.case} --help lists its options)")
     path = Path(options.out)
     if path.suffix != ".mesh" or any(sign.isspace() for sign in path.name):
         raise BadInput(f"--out needs a file name without spaces that ends with .mesh, not '{options.out}'")

@@ -104,22 +104,22 @@ def plot_trajectories(run, path):
     low, high = diameters.min(), diameters.max()
     several = high - low > 1e-6 * high
     scale = plt.Normalize(low, high) if several else plt.Normalize(0.5 * low, 1.5 * high)
-    ends, colours, last = [], [], max(track["t"][-1] for track in tracks)
+    ends, colours, last = [], [], max([track["t"][-1] for track in tracks] + [run.table(name)["t"].max(initial=0) for name in ("fluid", "steps") if run.has(name)])
     for track, diameter in zip(tracks, diameters):
         colour = LINE_MAP(scale(diameter))
         for piece in broken(track, run.extent, run.period):
             line, = axes.plot(piece[:, 0], piece[:, 1], color=colour, linewidth=1.1, alpha=0.9, zorder=3, solid_capstyle="round")
             clip_to(axes, line, run.clip)
-        if track["t"][-1] < last:
+        if track["t"][-1] < last * (1 - 1e-9):
             continue
         colours.append(colour)
         ends.append([0] + [track[name][-1] for name in ("x", "y", "theta", "radius")] + [track["radius"][-1] * run.aspect(track["id"][0])])
-    ends = np.array(ends)
+    ends = np.array(ends, dtype=float).reshape(-1, 6)
     ends[:, 0] = np.arange(len(ends))
     ends = run.images(ends)
-    disks, _ = particle_artists(axes, ends.T, zorder=5, clip=run.clip)
-    disks.set_facecolor([colours[int(k)] for k in ends[:, 0]])
-    disks.set_alpha(0.75)
+    for artist in particle_artists(axes, ends.T, zorder=5, clip=run.clip)[:1]:
+        artist.set_facecolor([colours[int(k)] for k in ends[:, 0]])
+        artist.set_alpha(0.75)
     draw_outline(axes, run.mesh, run.open)
     frame(axes, run.extent, length)
     if several:
@@ -156,7 +156,7 @@ def series(run):
         label = "worst overlap / radius" if smallest else f"worst overlap ({length})"
         wanted.append((label, [("", overlap / (smallest or 1.0))], True))
     if "divergence" in table:
-        wanted.append(("divergence norm", [("", table["divergence"])], True))
+        wanted.append((f"divergence norm ({length}/{second})", [("", table["divergence"])], True))
     def tells(label, curves):  # a closed box has no flux and no pressure drop
         return any(np.isfinite(v).any() and (v.any() or label not in (wanted[0][0], wanted[1][0])) for _, v in curves)
     return [panel for panel in wanted if tells(*panel[:2])]
@@ -174,7 +174,7 @@ def plot_series(run, path):
     for one, (label, curves, log) in zip(axes.flat, wanted):
         for k, (name, values) in enumerate(curves):
             one.plot(t, np.where(values > 0, values, np.nan) if log else values, label=name, **curve(k),
-                     **({"marker": ".", "markersize": 3} if log and len(t) <= 150 else {}))
+                     **({"marker": ".", "markersize": 3} if log and (len(t) <= 150 or np.count_nonzero(values > 0) <= 150) else {}))
         if log and any((values > 0).any() for _, values in curves):
             one.set_yscale("log")
             one.yaxis.set_minor_formatter(NullFormatter())
@@ -235,6 +235,8 @@ def main(words=None):
             reason = "no field files and no particles (fields are written when asked for)"
         elif name == "trajectories" and not (run.has("particles") and len(run.particles["t"])):
             reason = "no rows in particles.csv"
+        elif name == "series" and run.has("steps") and not run.has("fluid"):
+            reason = "a transport run has no fluid.csv (python -m tools.plot_transport draws the particles over the flow)"
         elif name == "series" and not (run.has("fluid") and len(run.fluid["t"]) and series(run)):
             reason = "no rows in fluid.csv"
         elif name == "film" and len(frames_of(run)) < 2:

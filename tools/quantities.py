@@ -192,7 +192,7 @@ def parse(text, known):
         numbers = [float(number) for number in numbers]
         inspect.signature(known[name]).bind(None, *numbers)
     except ValueError:
-        raise BadInput(f"quantity '{text}' needs numbers behind its name") from None
+        raise BadInput(f"quantity '{text}' needs numbers after its name") from None
     except TypeError:
         raise BadInput(f"quantity '{text}' has too many or too few numbers: {name}{inspect.signature(known[name])}") from None
     return lambda run: known[name](run, *numbers)

@@ -297,7 +297,7 @@ def write_study(study, records, references):
             size = abs(reference)
             rows.append([study.case, record["meshsize"], record["dt"],
                          " ".join(f"{k} {v}" for k, v in study.options.items()), name, value, reference, error,
-                         error / size if size > 0 else math.nan, record["cpu_s"], record["wall_s"], record["steps"], record["vertices"],
+                         error / size if size > 0 else math.nan, record["cpu_s"], record["wall_s"], record["steps"], record.get("vertices", math.nan),
                          record["memory_mib"], int(bool(record["timing"])), record["commit"], record["status"], why,
                          os.path.relpath(record["run"], study.out)])
     part = study.out / "study.csv.part"
