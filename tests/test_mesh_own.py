@@ -149,3 +149,20 @@ def test_domains_that_are_none_are_refused(text, words, status, what, tmp_path):
     done = made(tmp_path, text, *words)
     assert done.returncode == status and what in done.stderr and done.stderr.count("\n") == 1
     assert not (tmp_path / "my.mesh").exists()
+
+
+def test_all_sizes_of_a_script_shrink_alike(tmp_path):
+    """--size alone leaves the fine places as they are."""
+    text = SCRIPT.replace("Point(5) = {1.5, 0.4, 0, h}; Point(6) = {1.7, 0.4, 0, h}", "Point(5) = {1.5, 0.4, 0, h/8}; Point(6) = {1.7, 0.4, 0, h/8}")
+    grown = {}
+    for words in ((), ("--proportional",)):
+        counts = []
+        for size in (0.2, 0.1, 0.05):
+            assert made(tmp_path, text, "--size", size, *words).returncode == 0
+            counts.append(len(read(tmp_path / "my.mesh").points))
+        grown[bool(words)] = [b / a for a, b in zip(counts, counts[1:])]
+    assert grown[True] == pytest.approx([4, 4], rel=0.15) and grown[False][0] < 3
+    mesh = read(tmp_path / "my.mesh")  # the last one: elements of 0.05
+    areas = signed_areas(mesh.points, mesh.triangles)
+    assert np.quantile((4 / 3**0.5 * areas) ** 0.5, 0.95) == pytest.approx(0.05, rel=0.1)
+    assert made(tmp_path, text, "--proportional").returncode == 3

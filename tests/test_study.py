@@ -216,6 +216,25 @@ def test_without_extrapolation_errors_are_differences_to_the_finest_run(tmp_path
     assert ("uncertainty of the finest run" in [text.get_text() for text in figures[0].axes[0].get_legend().get_texts()]) == (drawn == 2)
 
 
+def test_steps_that_cfl_made_smaller_have_no_order(tmp_path):
+    assert study.made_smaller(13, 0.5, 0.04) == 0 == study.made_smaller(9, 0.5, None) and study.made_smaller(51, 0.5, 0.04) == pytest.approx(0.5 / 51)
+    one = study.Study("cases/made_up.edp", [None], [0.04, 0.02, 0.01], ["q"], out=tmp_path)
+    records = [{"asked": None, "meshsize": None, "dt": dt, "mean_dt": mean, "vertices": 100, "cpu_s": 1, "status": 0, "reason": "", "run": "", "values": {"q": (1 + dt**2, "")}}
+               for dt, mean in ((0.04, 0.011), (0.02, 0.0), (0.01, 0.0))]
+    said = "\n".join(study_report.report(one, records, study.references_of(one, records)))
+    assert "0.011 s in the mean instead of 0.04" in said and "two sizes" in said and "observed order 2" not in said
+    for record in records:
+        record["mean_dt"] = 0.0
+    assert "observed order 2.00" in "\n".join(study_report.report(one, records, study.references_of(one, records)))
+
+
+@pytest.mark.parametrize("counts, told", [((100, 390, 1500), 0), ((100, 390, 700), 1)])
+def test_meshes_that_do_not_grow_as_their_sizes_say_are_told(counts, told):
+    records = [{"meshsize": size, "dt": None, "vertices": number} for size, number in zip((0.4, 0.2, 0.1), counts)]
+    lines = study_report.doubts(records)
+    assert len(lines) == told and all("390 and 700 vertices" in line for line in lines)
+
+
 def test_sizes_of_uniform_meshes_are_those_of_their_cells(case, tmp_path, capsys):
     """11, 17 and 22 cells along the side of the box: 1/0.06 is none."""
     words = [str(case), "--quantity", "mean_v:0.3:0.4", "--dt", "0.1", "--recipe", "box --width 1 --height 1", "--out", str(tmp_path / "out")]

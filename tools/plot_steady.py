@@ -34,7 +34,16 @@ def one_panel(mesh):
     return figure, axes
 
 
-def draw_field(mesh, values, label, path, streams=None):
+def caption(run):
+    """Case, model and, where one was given, Reynolds number."""
+    given = run.info.get("parameters", {})
+    words = [str(given["-model"])] if "-model" in given else []
+    if float(given.get("-reynolds") or 0) > 0:
+        words.append(f"Reynolds number {float(given['-reynolds']):g}")
+    return run.title + (f" ({', '.join(words)})" if words else "")
+
+
+def draw_field(mesh, values, label, path, title, streams=None):
     """One scalar field with the outline; `streams`: velocity whose streamlines go on top."""
     figure, axes = one_panel(mesh)
     grid = Triangulation(*mesh.points.T, mesh.triangles)
@@ -42,6 +51,7 @@ def draw_field(mesh, values, label, path, streams=None):
     if streams is not None:
         draw_streams(axes, grid, streams)
     draw_outline(axes, mesh)
+    axes.set_title(title, fontsize=10)
     figure.colorbar(drawn, ax=axes, label=label, shrink=0.95, pad=0.01)
     figure.savefig(path)
     plt.close(figure)
@@ -74,6 +84,7 @@ def draw_walls(run, path):
     for side, start, end in zip(zones["side"], zones["separation"], zones["reattachment"]):
         for axes in both:
             axes.axvspan(start, end, ymin=0 if side < 0 else 0.96, ymax=0.04 if side < 0 else 1, color="#9a9a9a")
+    figure.suptitle(f"{caption(run)}: walls", fontsize=10)
     both[0].axhline(0, color="black", linewidth=0.6)
     both[0].set_ylabel("wall shear (Pa)")
     # a sharp edge carries a peak that would hide the rest
@@ -108,12 +119,12 @@ def main(arguments=None):
     if len(field_mesh.points) != len(mesh.points):
         raise BadInput(f"{options.run}: fields.vtu and mesh.mesh do not belong together")
     speed = np.hypot(*values["velocity"][:, :2].T)
-    draw_field(edge_mesh, speed, "speed (m/s)", out / "streamlines.png", streams=values["velocity"])
+    draw_field(edge_mesh, speed, "speed (m/s)", out / "streamlines.png", caption(run) + ": streamlines", streams=values["velocity"])
     made = ["streamlines.png"]
     for name, label, read in PICTURES:
         field = read(values)
         if np.ptp(field) > 0:  # k and nu_t of a laminar flow are 0
-            draw_field(edge_mesh, field, label, out / f"{name}.png")
+            draw_field(edge_mesh, field, label, out / f"{name}.png", f"{caption(run)}: {label.split(' (')[0]}")
             made.append(f"{name}.png")
     draw_walls(run, out / "walls.png")
     print(f"{out}: " + ", ".join([*made, "walls.png"]))

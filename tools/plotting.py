@@ -37,7 +37,7 @@ def curve(k):
     return {"color": colour, "linestyle": dash}
 
 
-def panels(number, extent, width=PAGE_WIDTH, height=8.6, gaps=(0.2, 0.34), margins=(0.62, 0.9, 0.52, 0.46)):
+def panels(number, extent, width=PAGE_WIDTH, height=8.6, gaps=(0.2, 0.34), margins=(0.62, 1.0, 0.52, 0.46)):
     """A figure with `number` panels of the scene's own proportions and room for a colour
     bar on the right, rows and columns chosen so that the panels are as large as the page
     allows. Returns (figure, axes in reading order, axes of the colour bar).
