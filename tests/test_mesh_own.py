@@ -157,12 +157,12 @@ def test_all_sizes_of_a_script_shrink_alike(tmp_path):
     grown = {}
     for words in ((), ("--proportional",)):
         counts = []
-        for size in (0.2, 0.1, 0.05):
+        for size in (0.12, 0.06, 0.03):
             assert made(tmp_path, text, "--size", size, *words).returncode == 0
             counts.append(len(read(tmp_path / "my.mesh").points))
         grown[bool(words)] = [b / a for a, b in zip(counts, counts[1:])]
     assert grown[True] == pytest.approx([4, 4], rel=0.15) and grown[False][0] < 3
-    mesh = read(tmp_path / "my.mesh")  # the last one: elements of 0.05
+    mesh = read(tmp_path / "my.mesh")  # the last one: elements of 0.03
     areas = signed_areas(mesh.points, mesh.triangles)
-    assert np.quantile((4 / 3**0.5 * areas) ** 0.5, 0.95) == pytest.approx(0.05, rel=0.1)
+    assert np.quantile((4 / 3**0.5 * areas) ** 0.5, 0.95) == pytest.approx(0.03, rel=0.1)
     assert made(tmp_path, text, "--proportional").returncode == 3
