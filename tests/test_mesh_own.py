@@ -153,7 +153,7 @@ def test_domains_that_are_none_are_refused(text, words, status, what, tmp_path):
 
 def test_all_sizes_of_a_script_shrink_alike(tmp_path):
     """--size alone leaves the fine places as they are."""
-    text = SCRIPT.replace("Point(5) = {1.5, 0.4, 0, h}; Point(6) = {1.7, 0.4, 0, h}", "Point(5) = {1.5, 0.4, 0, h/8}; Point(6) = {1.7, 0.4, 0, h/8}")
+    text = re.sub(r"(Point\((?:5|6|7|10|11)\) = [^h]*)h", r"\1h/10", SCRIPT)
     grown = {}
     for words in ((), ("--proportional",)):
         counts = []
