@@ -16,7 +16,7 @@ help:
 	@echo 'make test             the tests, 5 to 7 minutes on 2 cores (one file: make test TESTS=tests/test_mesh.py)'
 	@echo 'make validate         slow comparisons with published results and a report (one: CASE=settling_disk)'
 	@echo 'make stress           stability maps and their limits, half an hour of CPU (QUICK=1: 5 minutes; MAPS="gap jam"; JOBS=2)'
-	@echo 'make bench            error against CPU time, this and other programs, 35 to 50 minutes (5: make bench QUICK=1)'
+	@echo 'make bench            error against CPU time, this and other programs, 30 to 50 minutes (5: make bench QUICK=1)'
 	@echo 'make doctor           versions, plug-ins, and a check of each linear solver'
 	@echo 'make meshes           makes the default meshes of meshes/ anew'
 	@echo 'make setup            installs what is missing (the others do this too)'

@@ -1,6 +1,6 @@
 """Error against CPU time of the whole suite and its peers, scaling, and what is skipped.
 
-    python -m tools.bench                  # make bench: 35 to 50 minutes
+    python -m tools.bench                  # make bench: 30 to 50 minutes
     python -m tools.bench --quick          # make bench QUICK=1: at most 5 minutes
 
 scenes.py, transport.py: what runs, one job a program and resolution;

@@ -1,6 +1,6 @@
 """Error against CPU time of flow, particles, contacts and transport; scaling; what is skipped.
 
-    python -m tools.bench                  # make bench: 35 to 50 minutes
+    python -m tools.bench                  # make bench: 30 to 50 minutes
     python -m tools.bench --quick          # make bench QUICK=1: at most 5 minutes
     python -m tools.bench --parts particles skip --out results/bench_some
     python -m tools.bench --keep --parts scaling skip    # the other parts are those of the last run into the folder
