@@ -26,9 +26,9 @@ def refused(freefem, tmp_path):
 
 
 @pytest.mark.parametrize("row, words", [
-    ("7,0.3,0.1,-0.01,1,0,0", "disk 7 has a radius that is not above 0"),
-    ("7,0.3,0.1,0,1,0,0", "disk 7 has a radius that is not above 0"),
-    ("7,0.3,0.1,0.01,0,0,0", "disk 7 has no mass"),
+    ("7,0.3,0.1,-0.01,1,0,0", "particle 7 has a radius that is not above 0"),
+    ("7,0.3,0.1,0,1,0,0", "particle 7 has a radius that is not above 0"),
+    ("7,0.3,0.1,0.01,0,0,0", "particle 7 has no mass"),
     ("1,0.3,0.1,0.01,1,0,0", "the id 1 is given twice"),
     ("7,nan,0.1,0.01,1,0,0", "row 4: 'nan' is not a finite number"),
     ("7,0.3,0.1,0.01,1,inf,0", "row 4: 'inf' is not a finite number"),
@@ -66,8 +66,8 @@ def test_an_unknown_solver_or_option(refused):
 def test_overlaps_are_listed(refused):
     status, lines = refused(["0,0.1,0.1,0.01,1,0,0", "5,0.115,0.1,0.01,1,0,0", "9,0.3,0.005,0.01,1,0,0"], ["0,0,1,0"])
     assert status == 5
-    assert any(line.endswith("disks 0 and 5 overlap by 0.005") for line in lines)
-    assert any(line.startswith("error: disk 9 overlaps the wall from (") and line.endswith(") by 0.005") for line in lines)
+    assert any(line.endswith("particles 0 and 5 overlap by 0.005") for line in lines)
+    assert any(line.startswith("error: particle 9 overlaps the wall from (") and line.endswith(") by 0.005") for line in lines)
 
 
 def test_overlaps_are_pushed_apart_on_request():
@@ -85,7 +85,7 @@ def test_a_disk_on_the_wrong_side_of_closed_walls(refused, obstacle):
     place = "0.35,0.33" if obstacle else "1.35,0.33"
     status, lines = refused([*GOOD, f"4,{place},0.005,1,0,0"], walls)
     assert status == 5
-    assert ("disk 4 stands inside an obstacle" if obstacle else "disk 4 stands outside") in lines[0]
+    assert ("particle 4 stands inside an obstacle" if obstacle else "particle 4 stands outside") in lines[0]
 
 
 def test_numbers_that_stop_being_finite(freefem_text):

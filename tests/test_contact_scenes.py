@@ -49,7 +49,7 @@ def test_a_disk_in_an_obstacle_is_refused_over_the_seam_too(contacts, shift):
     walls = " ".join(f"contactWallSegment({a}, {b}, {c}, {d});" for (a, b), (c, d) in zip(corners, corners[1:])) + " contactPeriodic(0, 0, 1, 0);"
     bodies = " ".join(f"bodyDisk({x + shift}, {y}, {r}, 1000);" for x, y, r in ((0.03, 0.05, 0.01), (0.5, 0.5, 0.1), (0.2, 0.5, 0.1)))
     done = contacts(bodies, walls, "-tend", 0.01, check=False)
-    assert done.returncode == 5 and "disk 0 stands inside an obstacle" in done.stderr
+    assert done.returncode == 5 and "particle 0 stands inside an obstacle" in done.stderr
 
 
 def test_a_disk_wider_than_the_period_is_refused(contacts):

@@ -170,6 +170,21 @@ def test_the_solver_s_diagonal_is_that_of_the_stabilised_matrix(freefem_text, me
     assert max(float(off) for off, version in rows) < 1e-13
 
 
+@pytest.mark.parametrize("reynolds, warned", [(1e4, True), (200, False)])
+def test_a_flow_that_the_mesh_does_not_resolve_is_told(reynolds, warned, meshes, run_folder):
+    """The share of the stabilisation in fluid.csv is that of the terms of budget.csv, and what warns at the end."""
+    coarse = mesh(meshes, "pipe_obstacles", "--size", 0.02)
+    run = run_freefem("cases/pipe_jet.edp", "-mesh", coarse, "-reynolds", reynolds, "-tend", 0.3, "-every", 0, "-budget", 1, "-out", run_folder)
+    fluid, budget = read_table(run_folder / "fluid.csv"), read_table(run_folder / "budget.csv")
+    damped, viscous = np.diff(budget["smoothed"]), np.diff(budget["dissipated"])
+    assert fluid["unresolved"][1:] == pytest.approx(damped / (damped + viscous), abs=1e-6)
+    if warned:
+        assert 0.2 < fluid["unresolved"][-1] < 0.9
+        assert "% of the dissipation" in run.stdout and "does not resolve" in run.stdout
+    else:
+        assert fluid["unresolved"].max() < 0.1 and "dissipation" not in run.stdout
+
+
 @pytest.fixture(scope="module")
 def cylinder(meshes, tmp_path_factory):
     """A short run past a cylinder on a coarse mesh."""

@@ -89,7 +89,7 @@ def test_a_run_that_ends_early_or_writes_nothing_is_blown_up(tmp_path):
 
 
 @pytest.mark.parametrize("status, log, kind", [
-    (4, "error: not converged at t = 0.1 s; use a smaller -dt", "stopped"), (5, "error: disks overlap", "stopped"),
+    (4, "error: not converged at t = 0.1 s; use a smaller -dt", "stopped"), (5, "error: particles overlap", "stopped"),
     (4, "not converged", "blown up"), (5, " Meshing error: Bamg", "blown up"), (6, "error: assertion", "blown up"),
     (-11, "", "blown up"), (8, "", "blown up"), (24, "", "late"), (-24, "", "late"), (124, "", "late")])
 def test_a_status_other_than_0_counts_as_clean_only_with_a_reason(tmp_path, status, log, kind):
@@ -105,7 +105,7 @@ def test_overlap_is_recomputed_whatever_the_run_says_of_its_gaps(tmp_path):
     changed(folder, "particles", "x", late[1] + 1, f"{table['x'][late[0]]:.12g}")
     changed(folder, "particles", "y", late[1] + 1, f"{table['y'][late[0]] + reach:.12g}")
     kind, why, depth = judge(WELL, CHECKS, folder, lambda run: (0.0, 1.0))
-    assert kind == "overlap" and f"disks {first} and {second} overlap" in why and "t = 0.5" in why
+    assert kind == "overlap" and f"particles {first} and {second} overlap" in why and "t = 0.5" in why
     assert depth == pytest.approx(1e-3, rel=1e-6)
     assert judge(WELL, Checks({}, 1.0, deepest=2e-3), folder)[0] == "stable"
 

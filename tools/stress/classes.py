@@ -125,12 +125,12 @@ def overlapping(run, table, checks):
     for name, (low, high) in checks.within.items():
         out = np.flatnonzero((table[name] < low) | (table[name] > high))
         if len(out):
-            return depth, f"disk {table['id'][out[0]]:.0f} is at {name} = {table[name][out[0]]:.4g} at t = {table['t'][out[0]]:.4g}, beyond where it can go"
+            return depth, f"particle {table['id'][out[0]]:.0f} is at {name} = {table[name][out[0]]:.4g} at t = {table['t'][out[0]]:.4g}, beyond where it can go"
     through = crossing(table, segments) if not any(checks.period) else None
     if through:
-        return depth, f"disk {through[1]} has passed through a wall by t = {through[0]:.4g}"
+        return depth, f"particle {through[1]} has passed through a wall by t = {through[0]:.4g}"
     if depth <= checks.deepest:
         return depth, ""
     if pair >= wall:
-        return depth, f"disks {i} and {j} overlap by {pair:.2g} radii at t = {table['t'][at]:.4g}"
-    return depth, f"disk {table['id'][row]:.0f} overlaps a wall by {wall:.2g} radii at t = {table['t'][row]:.4g}"
+        return depth, f"particles {i} and {j} overlap by {pair:.2g} radii at t = {table['t'][at]:.4g}"
+    return depth, f"particle {table['id'][row]:.0f} overlaps a wall by {wall:.2g} radii at t = {table['t'][row]:.4g}"
