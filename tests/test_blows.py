@@ -77,3 +77,47 @@ def test_the_flow_of_a_blow_has_the_added_mass_of_an_ideal_fluid(place, jump, ex
     done = freefem_text(text, "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
     added = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("added")).split()[1:]]
     assert -np.dot(added, jump) / (np.pi * 0.04) == pytest.approx(exact, rel=within)
+
+
+GAPS = """macro caseStep() {
+    real[int] r(flowNq), before(flowNq), far(flowNq), size(flowNq), beside(flowNq);
+    Qh wave = cos(7*x) + sin(9*y) + 0.3;
+    r = wave[];
+    before = r;
+    int rounds = gapOpen(r);
+    beside = gapBeside'*gapClosed; beside += gapClosed;
+    far = beside ? 0. : 1.;
+    size = abs(before);
+    (beside = r) -= before; far .*= beside;
+    before -= r;
+    beside = r .* gapClosed;
+    cout << "gaps " << gapN << " " << rounds << " " << before.sum/size.sum << " " << beside.linfty/size.max << " " << far.linfty << endl;
+    flowP = 7.;
+    beside = gapClosed; beside *= -100.; flowP += beside;
+    gapFill();
+    beside = flowP; beside -= 7.;
+    Qh slope = 2*x - 3*y;
+    flowP = slope[]; beside = beside .* beside; real constant = sqrt(beside.max);
+    beside = gapClosed; beside *= 1000.; flowP += beside;
+    gapFill();
+    beside = flowP; beside -= slope[];
+    cout << "filled " << constant << " " << beside.linfty << endl;
+} // EOM"""
+
+
+@pytest.mark.parametrize("bodies", [
+    "bodyDisk(0.003, -0.795, 0.2, 2);",  # a disk at the wall
+    "for (int i = 0; i < 6; ++i) for (int j = 0; j < 5; ++j) bodyDisk(0.085*i - 0.2 + 0.0425*(j % 2), 0.0745*j - 0.1, 0.0415, 2);"])  # a heap, two elements across
+def test_what_unresolved_gaps_push_out_stays_in_the_sum(bodies, freefem_text, tmp_path):
+    """The divergence of closed vertices goes to open ones beside them, nothing farther off changes, and their pressure is of those round them."""
+    mesh = tmp_path / "round.mesh"
+    text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(160)), "{mesh}");\n'
+    text += case(bodies, walls="labelWall", more=GAPS)
+    driver = (ROOT / "scripts/resolved.edp").read_text().split('if (scheme == "published") {')[0]
+    text = text.replace('include "scripts/resolved.edp"', driver)
+    done = freefem_text(text, "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
+    number, rounds, lost, kept, far = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("gaps")).split()[1:]]
+    constant, slope = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("filled")).split()[1:]]
+    assert number > 0 and 0 < rounds <= 20
+    assert abs(lost) < 1e-13 and kept < 1e-5 and far == 0
+    assert constant < 1e-9 and slope < 3.6 * 0.16  # the slope over four elements
