@@ -97,3 +97,14 @@ def test_blanks_are_no_fault_and_numbers_out_of_range_one(freefem, tmp_path, num
         assert "'1e400' is out of range" in done.stderr
     else:
         np.testing.assert_array_equal(read_table(tmp_path / "out.csv")["v"], [-1, -1])
+
+
+@pytest.mark.parametrize("gravity", [0, -10])
+def test_a_wall_within_a_period_is_one_wall(contacts, gravity):
+    """It is cut into pieces for the period; a disk that slides along it felt the joints (0.98 of its speed was left)."""
+    wall = "contactWallSegment(0, 0, 0.8, 0);"
+    rows = [read_table(contacts("bodyAdd(0.2, 0.05, 0.05, 1000, 1, 0, 0, 1);", wall + period, "-dt", 0.01, "-tend", 0.5, gravity=gravity, name=name) / "particles.csv")
+            for name, period in (("alone", ""), ("period", " contactPeriodic(-0.5, 0, 2, 0);"))]
+    for column in ("x", "y", "u", "v"):
+        assert rows[1][column][-1] == pytest.approx(rows[0][column][-1], abs=1e-9)
+    assert rows[1]["u"][-1] == pytest.approx(1, abs=1e-9)

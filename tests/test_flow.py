@@ -368,3 +368,11 @@ def test_vortices_behind_the_cylinder(meshes, run_folder):
     late = force["t"] > 5
     assert 20 * force["force_x"][late].max() == pytest.approx(3.2274, rel=0.005)
     assert 20 * np.ptp(force["force_y"][late]) == pytest.approx(2.00787, rel=0.005)
+
+
+def test_an_outflow_that_lags_behind_the_inflow_is_told(run_folder):
+    """Viscosity over the whole channel within a step: the pressure drop follows slowly, and the run says so."""
+    run = run_freefem("cases/poiseuille.edp", "-mu", 1e6, "-tolerance", 1e-10, "-tend", 0.5, "-out", run_folder)
+    fluid = read_table(run_folder / "fluid.csv")
+    assert fluid["flux_out"][-1] < 0.5 * fluid["flux_in"][-1]
+    assert "% of the inflow leaves" in run.stdout

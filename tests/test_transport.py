@@ -224,3 +224,37 @@ def test_a_sphere_beyond_the_mesh_is_taken_out(freefem_text, tmp_path):
     freefem_text(THROWN.replace("[labelBottom]", "[labelTop]"), "-dt", 0.002, "-tend", 0.05, "-drag", "stokes", "-lift", 0, "-out", tmp_path / "run")
     gone = rows(tmp_path / "run/exits.csv")
     assert len(gone) == 41 and all(float(row["y"]) < 0 and row["outlet"] == "0" for row in gone)
+
+
+PAIR = """include "lib/options.idp"
+optCase("pair", "spheres that overlap or stand outside at the start");
+real rhoFluid = 1000, mu = 1e-3, gravityX = 0, gravityY = 0;
+optDefault("-contacts", "1");
+{flow}
+macro caseParticles() {{ {particles} }} // EOM
+include "scripts/transport.edp"
+"""
+STILL = "macro carrierExact(px, py, t) carrierU = 0.; // EOM"
+TWO = "real[int] x0 = [0., 0.01], y0 = [0., 0.], r = [0.01, 0.01], d = [2500., 2500.], z = [0., 0.]; transportAppend(x0, y0, r, d, z, z, z);"
+UNIFORM = """include "lib/labels.idp"
+macro caseWallLabels() [labelWall] // EOM
+macro caseBound() 1. // EOM
+macro caseCarrier() {{ carrierWh u = 1., v = 0.; carrierFlow(u[], v[]); }} // EOM""".replace("{{", "{").replace("}}", "}")
+
+
+def test_overlaps_at_the_start_are_refused_or_pushed_apart(freefem_text, tmp_path):
+    """They were shot apart at half the overlap over the time step."""
+    text, words = PAIR.format(flow=STILL, particles=TWO), ["-dt", 0.001, "-tend", 0.01]
+    refused = freefem_text(text, *words, "-out", tmp_path / "no", check=False)
+    assert refused.returncode == 5 and "particles 0 and 1 overlap by 0.01" in refused.stderr
+    freefem_text(text, *words, "-contact-initial", "push", "-out", tmp_path / "pushed")
+    last = rows(tmp_path / "pushed" / "particles.csv")[-2:]
+    assert abs(float(last[1]["x"]) - float(last[0]["x"])) == pytest.approx(0.02, abs=1e-6)
+    assert max(abs(float(row["u"])) for row in last) < 1e-6
+
+
+def test_waiting_particles_that_would_enter_outside_the_mesh_are_refused(freefem_text, tmp_path):
+    """They came in and were lost a step later."""
+    queue = "queueAdd(0., 0.005, 2500, 0); queueAdd(5., 0.005, 2500, 0.01);"
+    done = freefem_text(PAIR.format(flow=UNIFORM, particles=queue), "-mesh", ROOT / "meshes/pipe_obstacles.mesh", "-dt", 0.01, "-tend", 0.05, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 5 and "the waiting particle 2 stands outside the mesh" in done.stderr and "1 particle stands outside" in done.stderr

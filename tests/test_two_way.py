@@ -30,3 +30,30 @@ def test_bad_option_is_one_line_and_status_3(freefem, run_folder, words, part):
     done = freefem("cases/pipe_transport.edp", "-out", run_folder, *words, check=False)
     assert done.returncode == 3
     assert len(done.stderr.splitlines()) == 1 and part in done.stderr
+
+
+BOX = """int[int] sides = [1, 2, 1, 1];
+savemesh(square(16, 16, label = sides), "{mesh}");
+include "lib/options.idp"
+optCase("box", "spheres fly in a fluid at rest, two-way");
+real rhoFluid = 1000, mu = 1e-3, gravityX = 0, gravityY = 0;
+optDefault("-coupling", "two-way");
+macro caseCarrier() {{ carrierWh u = 0., v = 0.; carrierFlow(u[], v[]); }} // EOM
+macro caseTwoWay() twoWayHeld.resize(1); twoWayHeld = 1; twoWayInlet.resize(1); twoWayInlet = 1; twoWayOutlet.resize(1); twoWayOutlet = 2; twoWayBegin(timeStep); // EOM
+macro caseParticles() {{
+    real[int] x0 = [0.5, 0.3], y0 = [0.52, 0.4], r = [0.02, 0.01], d = [2500., 7000.], u0 = [1., 0.5], v0 = [0.2, -0.3], z = [0., 0.];
+    transportAppend(x0, y0, r, d, u0, v0, z);
+}} // EOM
+include "scripts/transport.edp"
+twoXh [a, b, q] = [0., 0., 0.];
+a[] = twoWayW;
+cout << "through " << int2d(Th)(a)/int2d(Th)(abs(a)) << endl;
+"""
+
+
+def test_a_fluid_at_rest_cannot_be_compressed_by_short_steps(freefem_text, tmp_path):
+    """Nothing passes a section of a box with one open side (a share of 1e-2 did at the shorter steps, more the shorter)."""
+    mesh = tmp_path / "box.mesh"
+    done = freefem_text(BOX.format(mesh=mesh), "-mesh", mesh, "-coupling-width", 0.06, "-drag", "schiller-naumann", "-dt", 1e-5, "-tend", 1e-4, "-contacts", 0, "-out", tmp_path / "run")
+    through = float(next(line for line in done.stdout.splitlines() if line.startswith("through")).split()[1])
+    assert abs(through) < 1e-6
