@@ -146,3 +146,19 @@ def test_a_plate_holds_a_disk_that_has_travelled_some_periods(couette):
     fluid, table = couette("far", [(5, 3.6, 0.8, 0.08, 50, 0, 2, 0)])
     assert fluid["contacts"].max() == 1
     assert (1 - 0.08 - table["y"]).min() > -1e-9 and table["y"].max() == pytest.approx(0.92, abs=1e-6)
+
+
+def test_a_plate_holds_an_ellipse_over_the_seam(freefem, tmp_path):
+    """The plate has no end there: ellipses that lay across the seam went through it."""
+    lowest, ends = [], []
+    for name, x in (("middle", 0.5), ("seam", 0.0), ("beside", 0.1)):
+        script, table = tmp_path / f"{name}.edp", tmp_path / f"{name}.csv"
+        script.write_text(CASE.replace(LONE, ""))
+        table.write_text(f"id,x,y,radius,density,u,v,omega,aspect,theta\n0,{x},0.7,0.2,500,0,2,0,0.4,-0.6\n")
+        freefem(script, "-particles", table, "-reynolds", "10", "-dt", "0.005", "-tend", "0.3", "-every", "0", "-out", tmp_path / name)
+        rows = RunFolder(tmp_path / name).table("particles")
+        height = 0.2 * np.hypot(np.sin(rows["theta"]), 0.4 * np.cos(rows["theta"]))
+        lowest.append((1 - rows["y"] - height).min())
+        ends.append((rows["y"][-1], rows["theta"][-1]))
+    assert min(lowest) > -1e-6 and max(lowest) < 1e-3
+    assert ends[1] == pytest.approx(ends[0], abs=5e-3) and ends[2] == pytest.approx(ends[0], abs=5e-3)  # at three places within the mesh
