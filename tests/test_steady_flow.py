@@ -72,17 +72,21 @@ def test_poiseuille_is_exact(freefem, run_folder, axisymmetric):
     assert found["velocity_error"] < 1e-9
 
 
-def test_hagen_poiseuille_pressure_drop_through_the_pipe_case(freefem, run_folder, tmp_path):
-    # 8 mu L U_mean / R^2 between two sections; the traction-free outlet bends the last stretch.
-    mesh = write_box(tmp_path / "pipe.mesh", 1.0, 0.0, 0.1, 24, 6, bottom=8)
+@pytest.mark.parametrize("axisymmetric", [0, 1])
+def test_poiseuille_flow_through_the_pipe_case_to_its_outlet(freefem, run_folder, tmp_path, axisymmetric):
+    # Plane: U_mean = 2/3, drop 12 mu L U_mean/H^2, shear 6 mu U_mean/H. Round: U_mean = 1/2, 8 mu L U_mean/R^2, 4 mu U_mean/R.
+    low, mu = (0.0, 998.2 * 1 * 0.2 / 100) if axisymmetric else (-0.1, 998.2 * 1 * 0.2 / 100)
+    mesh = write_box(tmp_path / "pipe.mesh", 1.0, low, 0.1, 24, 6, bottom=8 if axisymmetric else 3)
     found = run(freefem, run_folder, "pipe_flow", "-mesh", mesh, "-model", "laminar", "-reynolds", 100, "-vmax", 1,
-                "-axisymmetric", 1)
-    mu = 998.2 * 1 * 0.2 / 100
-    assert found["flux_in"] == pytest.approx(math.pi * 0.1**2 / 2, rel=1e-9)
-    wall = [r for r in rows(run_folder / "wall.csv") if 0.2 < r["x"] < 0.8]
-    slope = (wall[-1]["pressure"] - wall[0]["pressure"]) / (wall[-1]["x"] - wall[0]["x"])
-    assert -slope == pytest.approx(8 * mu * 0.5 / 0.1**2, rel=1e-4)
-    assert wall[5]["shear"] == pytest.approx(4 * mu * 0.5 / 0.1, rel=1e-4)
+                "-axisymmetric", axisymmetric, "-tolerance", 1e-9)
+    flux, slope, shear = ((math.pi * 0.1**2 / 2, 8 * mu * 0.5 / 0.1**2, 4 * mu * 0.5 / 0.1) if axisymmetric
+                          else (0.2 * 2 / 3, 12 * mu * 2 / 3 / 0.2**2, 6 * mu * 2 / 3 / 0.2))
+    assert found["flux_in"] == pytest.approx(flux, rel=1e-9)
+    assert found["pressure_drop"] == pytest.approx(slope * 1.0, rel=1e-8)
+    assert found["loss_coefficient"] * 0.5 * 998.2 * found["mean_velocity"]**2 == pytest.approx(slope * 1.0, rel=1e-8)
+    wall = rows(run_folder / "wall.csv")
+    assert all(r["pressure"] == pytest.approx(slope * (1.0 - r["x"]), abs=1e-8 * slope) for r in wall)
+    assert all(abs(r["shear"]) == pytest.approx(shear, rel=1e-6) for r in wall)
 
 
 def test_newton_cylinder_in_few_factorisations(freefem_text):
@@ -90,7 +94,7 @@ def test_newton_cylinder_in_few_factorisations(freefem_text):
 include "lib/mesh.idp"
 mesh Th = meshRead("meshes/cylinder_channel.mesh");
 int newtonAxis = 0; real newtonNu = 1e-3, newtonSpeed = 0.3, newtonLength = 0.1, newtonForceX = 0;
-int[int] newtonInlet = [labelInlet], newtonWalls = [labelWall, labelCylinder], newtonSymmetry = [labelAxis];
+int[int] newtonInlet = [labelInlet], newtonWalls = [labelWall, labelCylinder], newtonSymmetry = [labelAxis], newtonOutlet = [labelOutlet];
 macro inletU() (1.2*y*(0.41 - y)/0.41^2) // EOM
 include "lib/newton.idp"
 int reached = newtonSolve(1e-8, 10);
@@ -111,7 +115,7 @@ def test_newton_residual_and_derivative_are_those_of_the_mixed_form(freefem_text
 int[int] sides = [1, 2, 1, 3];
 mesh Th = square(5, 4, [2.*x + 0.2*y*y, y + 0.1*sin(3.*x)], label = sides);
 int newtonAxis = AXIS; real newtonNu = 0.5, newtonSpeed = 1., newtonLength = 1., newtonForceX = 0.3;
-int[int] newtonInlet = [3], newtonWalls = [1], newtonSymmetry(0);
+int[int] newtonInlet = [3], newtonWalls = [1], newtonOutlet = [2], newtonSymmetry(0);
 macro inletU() (y*(1. - y)) // EOM
 include "lib/newton.idp"
 fespace Xh(Th, [P2, P2, P1]);
@@ -121,7 +125,8 @@ func real weight() { return radius0 + AXIS*y; }
 func real hoop() { return AXIS/weight(); }
 varf mixed([a, b, q], [c, d, r]) = int2d(Th)(weight()*(
     newtonNu*(2.*dx(u)*dx(c) + 2.*dy(v)*dy(d) + (dy(u) + dx(v))*(dy(c) + dx(d)) + 2.*hoop()^2*v*d) - p*(dx(c) + dy(d) + hoop()*d)
-    - r*(dx(u) + dy(v) + hoop()*v) - newtonTiny*p*r + (u*dx(u) + v*dy(u) - newtonForceX)*c + (u*dx(v) + v*dy(v))*d));
+    - r*(dx(u) + dy(v) + hoop()*v) - newtonTiny*p*r + (u*dx(u) + v*dy(u) - newtonForceX)*c + (u*dx(v) + v*dy(v))*d))
+    - int1d(Th, 2)(weight()*newtonNu*((dx(u)*N.x + dx(v)*N.y)*c + (dy(u)*N.x + dy(v)*N.y)*d));
 newtonU = 0.4*sin(2.*x)*y; newtonV = x*y*y; newtonP = cos(x + y);
 // The order of [P2, P2, P1] is found by numbering the unknowns.
 NWh names; NQh namesP; Xh [nu, nv, np];
