@@ -87,7 +87,7 @@ def write_run(folder, number=12, t_end=1.0, steps=100, seed=1, speed=0.9, fields
     write_csv(folder / "contacts.csv", "t,i,j,gap,nx,ny,impulse".split(","), contacts)
     (folder / "run.json").write_text(json.dumps({
         "case": "pipe_obstacles", "about": "made up for a test", "parameters": {"-dt": t_end / steps, "-tend": t_end},
-        "versions": {"freefem": "4.9"}, "mesh": "mesh.mesh", "mesh_hash": "0", "start": "", "end": "", "status": "done"}))
+        "versions": {"freefem": "4.9"}, "mesh": "mesh.mesh", "mesh_hash": "0", "start": "", "end": "", "status": "finished"}))
     if fields:
         text = SCRIPT.replace("NUMBER", str(n)).replace("FIELDS", str(fields)).replace("TEND", repr(float(t_end)))
         (folder / "made_up.edp").write_text(text.replace("BINARY", "true" if binary else "false"))

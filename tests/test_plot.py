@@ -287,3 +287,17 @@ def test_a_path_over_a_seam_is_drawn_to_it_on_both_sides_and_no_further(tmp_path
     seams = drawn[0].axes[0].transData.transform([(0, 0), (0.4, 0)])[:, 0]
     assert all((line.get_clip_box().x0, line.get_clip_box().x1) == pytest.approx(seams) for line in lines)
     plt.close(drawn[0])
+
+
+def test_a_run_that_failed_is_drawn_as_one(run, tmp_path, capsys):
+    import shutil
+    copy = tmp_path / "run"
+    shutil.copytree(run.folder, copy)
+    text = (copy / "run.json").read_text()
+    (copy / "run.json").write_text(text.replace('"finished"', '"failed (4)"'))
+    assert plot.main([str(copy), "--only", "trajectories"]) == 0
+    assert "ended as 'failed (4)'" in capsys.readouterr().err
+    assert RunFolder(copy).title.endswith("(failed (4))") and not run.title.endswith(")")
+    (copy / "zones.csv").write_text("side,separation\n")
+    with pytest.raises(BadInput, match="tools.plot_steady"):
+        plot.main([str(copy)])

@@ -431,3 +431,12 @@ def test_pipe_flow_refuses_an_inlet_on_the_right(tmp_path, run_folder, coarse_pi
     run_freefem(script)
     done = run_freefem("cases/pipe_flow.edp", "-mesh", mesh, *SHORT, "-out", run_folder, check=False)
     assert done.returncode == 3 and "one upright inlet" in done.stderr
+
+
+def test_pipe_flow_tells_what_large_elements_at_the_walls_do(freefem, run_folder, tmp_path):
+    """A straight round pipe: the stream of the inlet's profile, and the friction of the law of the wall that stands far off the wall."""
+    coarse = write_box(tmp_path / "pipe.mesh", 1.0, 0.0, 0.1, 20, 8, bottom=8)
+    out = freefem("cases/pipe_flow.edp", "-mesh", coarse, "-axisymmetric", 1, "-profile", "power", "-out", run_folder).stdout
+    found = results(run_folder)
+    assert f"its mean is {found['mean_velocity']:.6g} m/s, not 1.63333" in out
+    assert f"stands {100 * found['wall_distance_mean'] / 0.1:.0f} % of the pipe's radius" in out

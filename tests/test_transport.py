@@ -1,5 +1,6 @@
 """Particles carried by a flow: paths, orders, dispersion, sampling of the flow, contacts, exits, checkpoints."""
 import csv
+import json
 import re
 
 import numpy as np
@@ -8,6 +9,9 @@ import pytest
 from conftest import ROOT
 from tools import transport_exact as exact
 from tools import validate_transport
+from tools.command import BadInput
+from tools.run_folder import RunFolder
+from tools.transport_table import table_of
 from tools.validation import Context
 
 SCRIPT = "tests/transport/analytic.edp"
@@ -258,3 +262,31 @@ def test_waiting_particles_that_would_enter_outside_the_mesh_are_refused(freefem
     queue = "queueAdd(0., 0.005, 2500, 0); queueAdd(5., 0.005, 2500, 0.01);"
     done = freefem_text(PAIR.format(flow=UNIFORM, particles=queue), "-mesh", ROOT / "meshes/pipe_obstacles.mesh", "-dt", 0.01, "-tend", 0.05, "-out", tmp_path / "run", check=False)
     assert done.returncode == 5 and "the waiting particle 2 stands outside the mesh" in done.stderr and "1 particle stands outside" in done.stderr
+
+
+def carried(folder, diameters, status="finished", **parameters):
+    """A run of transport, made up: the particles pass the pipe in half a second, and leave it."""
+    folder.mkdir()
+    rows = [f"0,{t},{k},{2 * t},0,0,2,0,0,{d / 2}" for t in (0, 0.25, 0.5) for k, d in enumerate(diameters)]
+    (folder / "particles.csv").write_text("\n".join(["step,t,id,x,y,theta,u,v,omega,radius", *rows]) + "\n")
+    exits = [f"0.5,{k},1,0,2,0,{d / 2},2500,1" for k, d in enumerate(diameters)]
+    (folder / "exits.csv").write_text("\n".join(["t,id,x,y,u,v,radius,density,outlet", *exits]) + "\n")
+    (folder / "run.json").write_text(json.dumps({"case": "pipe_transport", "status": status, "parameters": {f"-{name}": value for name, value in parameters.items()}}))
+    return RunFolder(folder)
+
+
+def test_the_table_counts_every_particle_once(tmp_path):
+    """Also those beyond the classes of the paper; the last row is all."""
+    rows = table_of([carried(tmp_path / "a", [0.005, 0.012, 0.028, 0.07]), carried(tmp_path / "b", [0.012, 0.09])])
+    assert sum(row[2] for row in rows[:-1]) == rows[-1][2] == 3
+    assert rows[-1][3:5] == [100, 0]
+
+
+@pytest.mark.parametrize("diameters, words, says", [
+    ([], {}, "holds no particles"),
+    ([0.02], {"status": "failed (4)"}, "not come to its end"),
+    ([0.02], {"length": 2}, "-length 2"),
+])
+def test_the_table_refuses_runs_that_it_cannot_judge(tmp_path, diameters, words, says):
+    with pytest.raises(BadInput, match=says):
+        table_of([carried(tmp_path / "run", diameters, **words)])

@@ -1,5 +1,7 @@
 """A film of velocity and particles: mp4 through imageio-ffmpeg, else a gif through Pillow.
 
+Drawn by python -m tools.plot RUN --only film.
+
 make_film(run, out) -> path. One frame per field file (per particle output where the run
 has no fields), thinned to `most`; the colour scale is one for the whole film.
 """
@@ -111,3 +113,7 @@ def make_film(run, out, most=300, gif=False):
     finally:
         part.unlink(missing_ok=True)
     return path
+
+
+if __name__ == "__main__":
+    raise SystemExit("error: a film is made by  python -m tools.plot RUN --only film")

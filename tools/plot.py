@@ -223,6 +223,9 @@ def main(words=None):
     if given.frames < 2:
         raise BadInput("--frames must be at least 2")
     run = RunFolder(given.run)
+    if run.has("zones"):
+        raise BadInput(f"{given.run} is a steady flow; python -m tools.plot_steady draws it")
+    run.warn_unfinished()
     out = Path(given.out or given.run)
     try:
         out.mkdir(parents=True, exist_ok=True)

@@ -272,6 +272,7 @@ def main(words=None):
     run = ContactRun(given.run)
     if not run.has("motion"):
         raise BadInput(f"{given.run} is no run of contacts alone (it has no motion.csv); python -m tools.plot draws the others")
+    run.warn_unfinished()
     out = Path(given.out or given.run)
     out.mkdir(parents=True, exist_ok=True)
     if "frames" in given.only:

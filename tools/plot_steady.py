@@ -111,6 +111,7 @@ def main(arguments=None):
     out = Path(options.out or options.run)
     if not (run.folder / "fields.vtu").is_file() or not (run.folder / "mesh.mesh").is_file():
         raise BadInput(f"{options.run} holds no fields.vtu and mesh.mesh of a steady flow")
+    run.warn_unfinished()
     out.mkdir(parents=True, exist_ok=True)
     mesh = read_mesh(run.folder / "mesh.mesh")
     field_mesh, values = read_field(run.folder / "fields.vtu")

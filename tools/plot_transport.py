@@ -69,6 +69,7 @@ def main(words=None):
     run = RunFolder(given.run)
     if not run.has("steps"):
         raise BadInput(f"{given.run} is no run of a transport case (it has no steps.csv); python -m tools.plot draws it")
+    run.warn_unfinished()
     times = None
     if given.times:
         try:

@@ -8,6 +8,7 @@ wrong. Units are those of the case; run.units gives their names.
 """
 import json
 import re
+import sys
 import xml.etree.ElementTree as xml
 from functools import cached_property
 from pathlib import Path
@@ -54,9 +55,20 @@ class RunFolder:
         return str(self.info.get("case") or self.folder.name)
 
     @property
+    def status(self):
+        """What run.json says of the run: finished, running, not converged, failed (4), ...; empty if it says nothing."""
+        return str(self.info.get("status") or "")
+
+    @property
     def title(self):
-        """The case's name as words."""
-        return self.case.replace("_", " ")
+        """The case's name as words, and how the run ended if it failed or did not converge."""
+        return self.case.replace("_", " ") + (f" ({self.status})" if self.status.startswith(("failed", "not")) else "")
+
+    def warn_unfinished(self):
+        """One line on the error stream when the run has not come to its end."""
+        if self.status not in ("", "finished"):
+            how = "is still running, or was cut off" if self.status == "running" else f"ended as '{self.status}'"
+            print(f"warning: the run {self.folder} {how}: what it holds is not its end", file=sys.stderr)
 
     @cached_property
     def units(self):

@@ -12,6 +12,9 @@ standard deviation over the seeds:
   behind            at the end still in the pipe behind the diaphragm
   recirculation     was carried upstream (u < 0) behind the diaphragm for at least 0.05 s in all
   bottom            less than 1 cm above the lower wall for more than half of its time in the pipe
+
+What is "behind", "low" and a class is that of the paper's pipe (-radius 0.1, -length 1, diameters of 1 to 3 cm): runs of
+another pipe are refused, other diameters are a row of their own. Runs that did not end are refused.
 """
 import json
 import os
@@ -30,6 +33,7 @@ from tools.tables import write_table
 CASE = "cases/pipe_transport.edp"
 FATES = ("carried through", "trapped", "behind", "recirculation", "bottom")
 CLASSES = np.array([0.010, 0.015, 0.020, 0.025, 0.030001])
+PIPE = {"-radius": 0.1, "-length": 1.0}  # m
 
 
 def fates(run, front=0.295, low=-0.1, near=0.01):
@@ -51,11 +55,32 @@ def fates(run, front=0.295, low=-0.1, near=0.01):
     return np.array(sizes), {name: np.array(values) for name, values in found.items()}
 
 
+def usable(run):
+    """The run, or BadInput where it holds nothing that this table can judge."""
+    if not run.has("exits"):
+        raise BadInput(f"{run.folder} is no run of a transport case (it has no exits.csv)")
+    if run.status not in ("", "finished"):
+        raise BadInput(f"the run {run.folder} has not come to its end (its status is '{run.status}')")
+    if not len(run.particles["t"]):
+        raise BadInput(f"the run {run.folder} holds no particles")
+    given = run.info.get("parameters") or {}
+    for name, value in PIPE.items():
+        if abs(float(given.get(name, value)) - value) > 1e-9:
+            raise BadInput(f"the run {run.folder} has {name} {given[name]}; the places of this table are those of {name} {value:g}")
+    return run
+
+
 def table_of(runs):
-    """Rows [class low, class high, particles a run, mean and deviation of each fate in %]."""
-    judged = [fates(run) for run in runs]
+    """Rows [class low, class high, particles a run, mean and deviation of each fate in %]; the last row is all of them."""
+    judged = [fates(usable(run)) for run in runs]
+    sizes = np.concatenate([one for one, _ in judged])
+    classes = list(zip(CLASSES[:-1], CLASSES[1:]))
+    if sizes.min() < CLASSES[0] - 1e-9:
+        classes.insert(0, (sizes.min(), CLASSES[0]))
+    if sizes.max() >= CLASSES[-1]:
+        classes.append((CLASSES[-1], 1.001 * sizes.max()))
     rows = []
-    for low, high in [*zip(CLASSES[:-1], CLASSES[1:]), (CLASSES[0], CLASSES[-1])]:
+    for low, high in [*classes, (classes[0][0], classes[-1][1])]:
         parts, numbers = {name: [] for name in FATES}, []
         for sizes, found in judged:
             mine = (sizes >= low) & (sizes < high)
