@@ -222,3 +222,11 @@ def test_the_settings_of_a_period_belong_together(more, period, words, freefem_t
     text = case("", walls=walls, moving="labelLeft", outlet="labelRight", more=more, period=period)
     done = freefem_text(text, "-mesh", "meshes/cylinder_array.mesh", "-out", tmp_path / "run", check=False)
     assert done.returncode == 3 and words in done.stderr and not (tmp_path / "run").exists()
+
+
+def test_an_inlet_without_an_outlet_is_refused(freefem_text, tmp_path):
+    """What flows in has no way out; 2/3 m2/s by the parabola."""
+    text = case("bodyDisk(0.5, 0.5, 0.12, 3);", walls="labelRight, labelBottom, labelTop", moving="labelLeft", more="macro boundaryU() (4*y*(1 - y)) // EOM")
+    done = freefem_text(text, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "let in 0.666667 m2/s more than out" in done.stderr and len(done.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "run").exists()
