@@ -351,3 +351,8 @@ def test_a_run_that_is_ended_while_it_starts_does_not_go_on(monkeypatch):
     with pytest.raises(runner.Stopped):
         runner.run_command(["sleep", "60"])
     assert time.perf_counter() - begin < 20 and not runner.LIVE
+
+
+def test_a_folder_that_freefem_takes_no_runs_in_is_refused_before_meshes_are_made(case, tmp_path):
+    with pytest.raises(BadInput, match="holds signs other than"):
+        study.main([str(case), "--meshsize", "0.1", "--quantity", "final_y", "--out", str(tmp_path / "a b")], lambda *_: pytest.fail("made a mesh"))

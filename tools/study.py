@@ -356,6 +356,8 @@ def main(words=None, mesh_maker=make_mesh):
         raise BadInput(f"{len(given.reference)} references for {len(given.quantity)} quantities: give one each")
     if given.reference and not all(map(math.isfinite, given.reference)):
         raise BadInput("a reference must be a finite number")
+    if given.out and not re.fullmatch(r"[A-Za-z0-9._/+=,@%-]+", given.out):
+        raise BadInput(f"--out '{given.out}' holds signs other than letters, figures and . _ - / + = , @ %, which FreeFEM takes in no folder of a run")
     if given.jobs < 1 or given.repeat < 1:
         raise BadInput("--jobs and --repeat must be at least 1")
     for name, values in (("--meshsize", given.meshsize), ("--dt", given.dt), ("--quantity", given.quantity)):
