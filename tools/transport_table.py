@@ -16,7 +16,6 @@ standard deviation over the seeds:
 What is "behind", "low" and a class is that of the paper's pipe (-radius 0.1, -length 1, diameters of 1 to 3 cm): runs of
 another pipe are refused, other diameters are a row of their own. Runs that did not end are refused.
 """
-import json
 import os
 import sys
 from pathlib import Path
@@ -119,8 +118,8 @@ def plot_table(rows, path, seeds):
 def finished(folder, mark):
     """True if a finished run with this fingerprint stands in the folder."""
     try:
-        return json.loads((folder / "run.json").read_text())["status"] == "finished" and (folder / "made_of").read_text() == mark
-    except (OSError, ValueError, KeyError):
+        return RunFolder(folder).status == "finished" and (folder / "made_of").read_text() == mark
+    except (OSError, BadInput):
         return False
 
 
