@@ -104,7 +104,7 @@ def test_a_moving_wall_pushes_and_a_moving_disk_too(run_scene):
 
 def test_falling_disks_lose_energy_only_and_balance_their_momentum(freefem, tmp_path):
     done = freefem("cases/falling_particles.edp", "-tend", 24, "-dt", 0.04, "-every", 0.04, "-out", tmp_path / "run")
-    assert "complete at t = 24 s" in done.stdout
+    assert "finished at t = 24 s" in done.stdout
     motion = {key: np.asarray(value) for key, value in read_table(tmp_path / "run" / "motion.csv").items()}
     energy, peak = motion["kinetic_energy"] + motion["potential_energy"], motion["kinetic_energy"].max()
     assert np.diff(energy).max() < 1e-10 * peak

@@ -156,7 +156,7 @@ def test_contacts_alone_reach_the_end(freefem, tmp_path, tend, steps, end):
     done = freefem("cases/falling_particles.edp", "-number", "3", "-tend", tend, "-dt", "0.02", "-every", "0", "-out", tmp_path / "run")
     table = RunFolder(tmp_path / "run").table("motion")
     assert table["step"].tolist() == list(range(steps + 1)) and table["t"][-1] == pytest.approx(end)
-    assert f"complete at t = {end:g} s after {steps} step" in done.stdout
+    assert f"finished at t = {end:g} s after {steps} step" in done.stdout
 
 
 def test_contacts_alone_of_no_disk_say_the_time_of_the_end(freefem_text, tmp_path):
@@ -168,7 +168,7 @@ macro caseWalls() contactWallSegment(0., 0., 1., 0.); // EOM
 include "scripts/contacts.edp"
 """
     done = freefem_text(scene, "-tend", "0.5", "-dt", "0.01", "-out", tmp_path / "run")
-    assert "complete at t = 0.5 s after 50 steps" in done.stdout
+    assert "finished at t = 0.5 s after 50 steps" in done.stdout
 
 
 def test_a_disk_too_fast_for_any_step_stops_the_run(freefem_refused, tmp_path):

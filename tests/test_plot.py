@@ -301,3 +301,23 @@ def test_a_run_that_failed_is_drawn_as_one(run, tmp_path, capsys):
     (copy / "zones.csv").write_text("side,separation\n")
     with pytest.raises(BadInput, match="tools.plot_steady"):
         plot.main([str(copy)])
+
+
+def test_fields_hold_the_velocity_at_all_its_nodes(freefem, tmp_path):
+    """Poiseuille's parabola on a mesh of a few elements across: linear functions on the mesh's own triangles miss it between vertices."""
+    assert freefem("cases/poiseuille.edp", "-tend", "0.05", "-fields", "0.05", "-out", tmp_path / "run").returncode == 0
+    run = RunFolder(tmp_path / "run")
+    mesh, values = run.field(len(run.fields) - 1)
+    assert len(mesh.triangles) == 4 * len(run.mesh.triangles)
+    low, high = run.mesh.points[:, 1].min(), run.mesh.points[:, 1].max()
+    inlet = abs(mesh.points[:, 0] - run.mesh.points[:, 0].min()) < 1e-9
+    y, u = mesh.points[inlet, 1], values["velocity"][inlet, 0]
+    assert np.allclose(u, u.max() * 4 * (y - low) * (high - y) / (high - low) ** 2, atol=1e-5 * u.max())
+
+
+def test_a_run_of_contacts_alone_is_left_to_its_own_pictures(freefem, tmp_path):
+    assert freefem("cases/falling_particles.edp", "-tend", "0.1", "-out", tmp_path / "run").returncode == 0
+    with pytest.raises(BadInput, match="plot_contacts"):
+        plot.main([str(tmp_path / "run")])
+    done = subprocess.run([sys.executable, "-m", "tools.plot_contacts", str(tmp_path / "run"), "--only", "energy"], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0 and done.stderr == "", "a finished run is no reason to warn"

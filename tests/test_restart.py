@@ -162,7 +162,7 @@ def test_another_interval_of_the_fields_counts_from_the_restart_on(tmp_path):
 def test_contacts_alone_stop_at_maxwall_and_go_on(tmp_path):
     words = ["cases/falling_particles.edp", "-tend", "10"]
     assert "stopped by -maxwall" in run_freefem(*words, "-out", tmp_path / "run", "-maxwall", "0.05").stdout
-    assert "complete at t = 10 s" in run_freefem(*words, "-restart", tmp_path / "run").stdout
+    assert "finished at t = 10 s" in run_freefem(*words, "-restart", tmp_path / "run").stdout
     moved = run_freefem("cases/falling_particles.edp", "-tend", "10", "-number", "20", "-restart", tmp_path / "run", check=False)
     assert moved.returncode == 3 and "other options" in moved.stderr
 

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from tools.command import BadInput, Parser, guarded
-from tools.plotting import (LINE_MAP, PAGE_WIDTH, clip_to, curve, draw_outline, draw_speed, frame, panels, particle_artists,
+from tools.plotting import (LINE_MAP, PAGE_WIDTH, ROUNDING, clip_to, curve, draw_outline, draw_speed, frame, panels, particle_artists,
                             plt, save, speed_of, speed_top, time_text)
 from tools.run_folder import RunFolder
 
@@ -123,7 +123,7 @@ def plot_trajectories(run, path):
     draw_outline(axes, run.mesh, run.open)
     frame(axes, run.extent, length)
     if several:
-        figure.colorbar(plt.cm.ScalarMappable(scale, LINE_MAP), cax=bar).set_label(f"diameter ({length})")
+        figure.colorbar(plt.cm.ScalarMappable(scale, LINE_MAP), cax=bar).set_label(("long axis" if run.has("shapes") else "diameter") + f" ({length})")
     else:
         bar.remove()
     inches = figure.get_size_inches()
@@ -153,10 +153,12 @@ def series(run):
     if "worst_gap" in table:
         overlap = np.maximum(0.0, -table["worst_gap"])
         smallest = run.particles["radius"].min() if run.has("particles") and len(run.particles["t"]) else None
+        overlap[overlap < ROUNDING * (smallest or 1.0)] = 0.0
         label = "worst overlap / radius" if smallest else f"worst overlap ({length})"
         wanted.append((label, [("", overlap / (smallest or 1.0))], True))
-    if "divergence" in table:
-        wanted.append((f"divergence norm ({length}/{second})", [("", table["divergence"])], True))
+    if "divergence" in table and "top_speed" in table:
+        speed = np.where(table["top_speed"] > 0, table["top_speed"], np.nan)
+        wanted.append(("norm of div u / largest speed", [("", table["divergence"] / speed)], True))
     def tells(label, curves):  # a closed box has no flux and no pressure drop
         return any(np.isfinite(v).any() and (v.any() or label not in (wanted[0][0], wanted[1][0])) for _, v in curves)
     return [panel for panel in wanted if tells(*panel[:2])]
@@ -182,7 +184,7 @@ def plot_series(run, path):
             if high < 10 * low:  # at least one decade, so that there is a labelled tick
                 one.set_ylim(10 ** np.floor(np.log10(low)), 10 ** np.ceil(np.log10(high)))
         elif log:
-            one.text(0.5, 0.5, "zero throughout", transform=one.transAxes, ha="center", va="center")
+            one.text(0.5, 0.5, f"below {ROUNDING:g} throughout" if "overlap" in label else "zero throughout", transform=one.transAxes, ha="center", va="center")
             one.set_yticks([])
         if len(curves) > 1:  # in a row above the curves
             low, high = one.get_ylim()
@@ -225,6 +227,8 @@ def main(words=None):
     run = RunFolder(given.run)
     if run.has("zones"):
         raise BadInput(f"{given.run} is a steady flow; python -m tools.plot_steady draws it")
+    if run.has("motion"):
+        raise BadInput(f"{given.run} is a run of contacts alone; python -m tools.plot_contacts draws it")
     run.warn_unfinished()
     out = Path(given.out or given.run)
     try:

@@ -16,7 +16,7 @@ from matplotlib.colors import LogNorm
 
 from tools.command import BadInput, Parser, guarded
 from tools.film import frame_rate, mp4_possible, write_gif, write_mp4
-from tools.plotting import BODY, BODY_EDGE, FIELD_MAP, PAGE_WIDTH, curve, plt, save, time_text
+from tools.plotting import BODY, BODY_EDGE, FIELD_MAP, PAGE_WIDTH, ROUNDING, curve, plt, save, time_text
 from tools.run_folder import RunFolder
 from tools.tables import read_table
 
@@ -103,7 +103,7 @@ def draw(axes, run, frame, speed=None, size=None):
     disks = EllipseCollection(width, width, np.zeros(len(width)), units="xy", offsets=np.column_stack([frame["x"], frame["y"]]),
                               transOffset=axes.transData, edgecolor=BODY_EDGE, linewidth=thin, facecolor=BODY, zorder=3)
     if speed is not None:
-        if len(width) >= 1000:
+        if len(width) >= 200:  # outlines would hide the colours
             disks.set_edgecolor("none")
         disks.set(cmap=FIELD_MAP, norm=speed, array=np.clip(frame["speed"], speed.vmin, speed.vmax), facecolor=None)
     axes.add_collection(disks)
@@ -200,19 +200,18 @@ def plot_energy(run, path):
     t = motion["t"]
     figure, (top, low) = plt.subplots(2, 1, figsize=(PAGE_WIDTH, 4.6), sharex=True, layout="constrained")
     fallen = motion["potential_energy"] - motion["potential_energy"].min()
-    floor = 1e-9 * max(motion["kinetic_energy"].max(), fallen.max(), 1e-300)
+    floor = 1e-6 * max(motion["kinetic_energy"].max(), fallen.max(), 1e-300)
     top.semilogy(t, np.maximum(motion["kinetic_energy"], floor), label="kinetic", **curve(0))
     top.semilogy(t, np.maximum(fallen, floor), label="potential, above its least", **curve(1))
     top.set_ylabel("energy (J per metre of depth)")
-    top.legend()
+    top.legend(loc="upper right", ncols=2)
     radius = run.particles["radius"].min()
-    overlap = np.where(motion["worst_gap"] < 0, -motion["worst_gap"] / radius, np.nan)
-    low.set(xlabel="t (s)", ylabel="overlap (1)")
+    overlap = np.where(motion["worst_gap"] < -ROUNDING * radius, -motion["worst_gap"] / radius, np.nan)
+    low.set(xlabel="t (s)", ylabel="greatest overlap /\nsmallest radius")
     if np.isfinite(overlap).any():
-        low.semilogy(t, overlap, label="greatest overlap / smallest radius", **curve(0))
-        low.legend(loc="lower right")
+        low.semilogy(t, overlap, marker=".", **curve(0))
     else:
-        low.text(0.5, 0.5, "no overlap at any time", transform=low.transAxes, ha="center", va="center")
+        low.text(0.5, 0.5, f"no overlap above {ROUNDING:g} at any time", transform=low.transAxes, ha="center", va="center")
         low.set_yticks([])
     for axes in (top, low):
         axes.grid(True)

@@ -42,7 +42,7 @@ def plot_transport(run, path, times=None):
             drawn = draw_speed(one, flow[0], speed_of(flow[1]), top)
         draw_outline(one, run.mesh, run.open)
         inside = run.particles_at(t)
-        particle_artists(one, inside)
+        particle_artists(one, inside, clip=run.clip, spokes=bool(np.any(run.particles["theta"])))
         frame(one, run.extent, run.units["length"])
         one.set_title(f"{time_text(t, last=max(times))}: {inside.shape[1]} inside", pad=3)
     if drawn is None:

@@ -21,6 +21,7 @@ CURVES = [("#0072b2", "-"), ("#d55e00", "--"), ("#009e73", "-."), ("#000000", ":
           ("#cc79a7", (0, (5, 1, 1, 1, 1, 1))), ("#e69f00", (0, (7, 2)))]
 MARKERS = "os^Dvp"
 BODY, BODY_EDGE, SOLID_FILL = "#e8e8e8", "#1a1a1a", "#9a9a9a"
+ROUNDING = 1e-10  # of the radius: smaller overlaps are not drawn
 PAGE_WIDTH = 7.2  # inches: fits a printed page
 
 plt.rcParams.update({
@@ -111,10 +112,10 @@ def draw_outline(axes, mesh, open_ends=OPEN):
         axes.add_collection(LineCollection(lines, zorder=4, capstyle="round", **style), autolim=False)
 
 
-def particle_artists(axes, particles, zorder=5, clip=None):
+def particle_artists(axes, particles, zorder=5, clip=None, spokes=True):
     """Particles as neutral disks or ellipses, each with a line from its centre to the rim at theta.
     particles: (id, x, y, theta, radius, minor) arrays; clip: (x0, y0, width, height) beyond which
-    nothing is drawn. Returns the artists, for removal."""
+    nothing is drawn; spokes: False for particles that do not turn. Returns the artists, for removal."""
     _, x, y, theta, radius, minor = particles
     if not len(x):
         return []
@@ -124,7 +125,7 @@ def particle_artists(axes, particles, zorder=5, clip=None):
     ends = np.stack([np.column_stack([x, y]),
                      np.column_stack([x + radius * np.cos(theta), y + radius * np.sin(theta)])], axis=1)
     marks = LineCollection(ends, color=BODY_EDGE, linewidth=0.8, zorder=zorder + 0.1)
-    artists = [axes.add_collection(disks, autolim=False), axes.add_collection(marks, autolim=False)]
+    artists = [axes.add_collection(artist, autolim=False) for artist in ((disks, marks) if spokes else (disks,))]
     for artist in artists:
         clip_to(axes, artist, clip)
     return artists

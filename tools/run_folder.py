@@ -75,7 +75,7 @@ class RunFolder:
         """Names of the units of length, time and mass: those of which the case's own options (run.json: units)
         speak, else those of SI (g with cm); L, T and M where none of these options has a unit."""
         own = [str(unit) for name, unit in (self.info.get("units") or {}).items() if name not in DRIVER and not name.startswith("-contact-")]
-        if own and not any(own):
+        if own and not set(own) - {"", "rad"}:
             return SYMBOLS
         words = set(re.findall("[A-Za-z]+", " ".join(own)))
         names = {kind: next((name for name in choices if name in words), SI[kind]) for kind, choices in SMALLER.items()}
@@ -95,8 +95,8 @@ class RunFolder:
 
     @property
     def clip(self):
-        """(x0, y0, width, height) beyond which no particle is drawn: that of a periodic domain, else None."""
-        return self.extent if any(self.period) else None
+        """(x0, y0, width, height) beyond which no particle is drawn (seams, outlets): that of the mesh, None where there is none."""
+        return self.extent if any(self.period) or self.mesh is not None else None
 
     def wrapped(self, x, axis):
         """Coordinates brought back into the period."""

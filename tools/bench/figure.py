@@ -85,7 +85,7 @@ def draw_skipped(axes, skipped):
     axes.xaxis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}"))
     axes.set_yticks(range(len(some)), [FEATURES.get(s.name, s.name) for s in some])
     axes.invert_yaxis()
-    axes.set_xlabel("time of a step, more than\nwithout the feature (%); target 1")
+    axes.set_xlabel("extra time of a step when\nthe feature is off (%); target 1")
     axes.set_title("features that are not used")
 
 

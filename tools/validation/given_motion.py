@@ -46,7 +46,7 @@ def oscillating_cylinder(context):
     phase = np.linspace(0, 1, 200)
     axes.plot(phase, terms(phase * KC) @ PUBLISHED, "k:", linewidth=1, label="Morison's equation, Duetsch et al. 1998")
     axes.set_xlabel("time over the period")
-    axes.set_ylabel("force over rho U^2 D")
+    axes.set_ylabel("force / ($\\rho$ $U^2$ D)")
     axes.set_ylim(-2, 3.8)
     axes.legend(loc="upper left")
     path = save(figure, context.figure_path("oscillating_cylinder"))

@@ -70,7 +70,7 @@ def draw(tracks, path):
         off = track["v"][now] - np.interp(track["t"][now], t_fitted, v_fitted)
         apart.plot(track["t"][now], 100 * off / v_fitted.min(), **curve(k))
     apart.axhline(0, color="black", linewidth=0.7)
-    apart.set_ylabel("over body-fitted (% of peak)")
+    apart.set_ylabel("less body-fitted (% of peak)")
     for axes in (left, right, apart):
         axes.set_xlabel("t (s)")
         axes.grid(True)
