@@ -46,6 +46,8 @@ def feet(rx, ry, a, b, turn):
 def twin(rx, ry, shape, strain, viscosity, convection):
     """Ghost values of the field u = (3 y - 1 + e x, 2 x - e y), by the formulas of lib/ghost.idp and lib/ghost_convection.idp."""
     depth, nx, ny, curvature = feet(rx, ry, *shape)
+    resolved = 2 / curvature > 1.9 * SIZE
+    curvature, convection = np.where(resolved, curvature, 0), convection * resolved
     slip, normal = [], []
     for k in (1, 2):
         x, y = rx + (depth + k * SIZE) * nx, ry + (depth + k * SIZE) * ny
@@ -63,14 +65,15 @@ def twin(rx, ry, shape, strain, viscosity, convection):
         q = (values[1] / x[1]**power - values[0] / x[0]**power) / (x[1] - x[0])
         return values[0] / x[0]**power - q * x[0], q
     far = 0
-    if convection:
+    if np.any(convection):
         (gamma, a), (c, d) = two(slip, 1), two(np.array(normal), 2)
 
         def added(s):
             return -s**4 / viscosity * (c * gamma / 12 + d * gamma * s / 10 + a * d * s**2 / 30)
-        share = abs(slip[1]) / np.hypot(slip[1], added(x[1]))
+        share = convection * abs(slip[1]) / np.hypot(slip[1], added(x[1]))
         slip = slip - share * added(x)
-        far = share * added(xd)
+        known = np.maximum(xd, -x[1])
+        far = share * added(known) * xd / known
     gamma, a = two(slip, 1)
     return (gamma * xd + a * xd**2 + far) * np.array([-ny, nx])
 
