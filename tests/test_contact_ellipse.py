@@ -143,10 +143,21 @@ def test_over_a_seam_the_nearest_image_counts(freefem_text):
     assert len(found) == 1 and found[0, 2] == pytest.approx(distance, abs=1e-8) and found[0, 3] == pytest.approx(direction[0], abs=1e-4)
 
 
-def nearest_motion(gaps, about, dt):
+def weights(free, aside):
+    """The masses as a matrix: MASS along the long axes, `aside` times as much along the short ones, MOMENT."""
+    whole = np.zeros((3 * len(free), 3 * len(free)))
+    for at, k in enumerate(free):
+        turn = BODIES[k][2]
+        axes = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+        whole[3 * at:3 * at + 2, 3 * at:3 * at + 2] = axes.T @ np.diag([MASS[k], MASS[k] * aside[k]]) @ axes
+        whole[3 * at + 2, 3 * at + 2] = MOMENT[k]
+    return whole
+
+
+def nearest_motion(gaps, about, dt, aside):
     """SciPy's least weighted change of SPEED for which no gap, linearised about the velocities `about`, turns negative."""
     free = [k for k, m in enumerate(MASS) if m > 0]
-    weight = np.array([(MASS[k], MASS[k], MOMENT[k]) for k in free]).ravel()
+    weight = weights(free, aside)
     given = np.array(SPEED)[free].ravel()
 
     def whole(x):
@@ -157,26 +168,28 @@ def nearest_motion(gaps, about, dt):
     def room(x):
         change = dt * (whole(x) - about)
         return [gap + change[int(i)] @ [ex, ey, arm_i] + (change[int(j)] @ [-ex, -ey, arm_j] if j >= 0 else 0) for i, j, gap, ex, ey, arm_i, arm_j in gaps]
-    best = minimize(lambda x: 0.5 * (weight * (x - given)**2).sum(), given, jac=lambda x: weight * (x - given), constraints={"type": "ineq", "fun": room},
+    best = minimize(lambda x: 0.5 * (x - given) @ weight @ (x - given), given, jac=lambda x: weight @ (x - given), constraints={"type": "ineq", "fun": room},
                     method="SLSQP", options={"ftol": 1e-15, "maxiter": 1000})
     assert best.success
     return whole(best.x)
 
 
+@pytest.mark.parametrize("aside", [[1.0] * 5, [4.0, 2.5, 3.0, 1.0, 6.0]])
 @pytest.mark.parametrize("dt, pressing", [(0.25, 1), (0.35, 2), (0.5, 2)])
-def test_the_projection_is_the_nearest_motion_without_overlap(freefem_text, dt, pressing):
-    """Body 3 is held. The gaps are linearised at the start, and again at the end while that leaves an overlap."""
+def test_the_projection_is_the_nearest_motion_without_overlap(freefem_text, dt, pressing, aside):
+    """Body 3 is held; `aside`: masses across over those along. The gaps are linearised at the start, and again at the end while that leaves an overlap."""
     def measured(speed):
         after = [(b[0] + dt * s[0], b[1] + dt * s[1], b[2] + dt * s[2], *b[3:]) for b, s in zip(BODIES, speed)]
         return rows(freefem_text(scene(after, more=MEASURE)).stdout, "gap")
-    out = freefem_text(scene(more=MEASURE + PROJECT.replace("DT", str(dt)))).stdout
+    uneven = f"contactEllipseAside.resize(5); contactEllipseAside = {aside};"
+    out = freefem_text(scene(more=MEASURE + uneven + PROJECT.replace("DT", str(dt)))).stdout
     speed, press, used = rows(out, "speed"), rows(out, "press"), int(rows(out, "passes")[0, 0])
     assert rows(out, "worst")[0, 0] >= -1.06e-9 and (press[:, 2] > 1e-6).sum() >= pressing and (speed[3] == SPEED[3]).all()
     assert measured(speed)[:, 2].min() >= -1.06e-9
     assert used <= 6
     expected, gaps = np.zeros((5, 3)), rows(out, "gap")
     for k in range(min(used, 4)): # what comes after pushes apart what is left
-        expected, gaps = nearest_motion(gaps, expected, dt), None
+        expected, gaps = nearest_motion(gaps, expected, dt, aside), None
         if k + 1 < used:
             gaps = measured(expected)
     assert speed == pytest.approx(expected, abs=2e-5 if used <= 4 else 0.02)
