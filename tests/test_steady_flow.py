@@ -108,6 +108,33 @@ cout << "FOUND " << reached << " " << newtonFactorisations << " " << -2.*(weight
     assert drag == pytest.approx(5.57953523384, rel=5e-4)  # DFG 2D-1, straight edges
 
 
+CLOSED = r'''
+include "lib/options.idp"
+optCase("closed", "steady, the velocity given all round"); optDefault("-mesh", "meshes/poiseuille.mesh");
+real rhoFluid = 1, mu = 0.1, speed = 1, size = 1, excess = EXCESS;
+include "lib/labels.idp"
+int[int] labelsStill = [labelWall, labelOutlet], labelsMoving = [labelInlet, labelOutlet], labelsFree(0);
+if (excess > -1) labelsStill.resize(1); else labelsMoving.resize(1);
+macro inletU() (4*y*(1 - y)*(x > 1 ? 1 - excess : 1.)) // EOM
+macro caseResult() { resultPut("p_in", int1d(Th, labelInlet)(newtonP), "Pa"); resultPut("p_mean", int2d(Th)(newtonP), "Pa m2"); } // EOM
+include "scripts/steady_laminar.edp"
+'''
+
+
+@pytest.mark.parametrize("excess", [0, 1e-6, -1e-3])
+def test_what_is_let_in_more_than_out_by_rounding_does_no_harm(freefem_text, run_folder, excess):
+    freefem_text(CLOSED.replace("EXCESS", str(excess)), "-out", run_folder)
+    found = results(run_folder)
+    assert found["p_in"] == pytest.approx(1.6, abs=1e-7 + 2 * abs(excess))  # half of 8 mu L, the mean is 0
+    assert abs(found["p_mean"]) < 1e-9
+
+
+@pytest.mark.parametrize("excess, says", [(0.01, "in 0.00666667"), (-0.01, "out 0.00666667"), (-1, "in 0.666667")])
+def test_more_let_in_than_out_without_an_outlet_is_refused(freefem_text, excess, says):
+    done = freefem_text(CLOSED.replace("EXCESS", str(excess)), check=False)
+    assert done.returncode == 3 and f"let {says} m2/s more than" in done.stderr and "there is no outlet" in done.stderr
+
+
 @pytest.mark.parametrize("axis", [0, 1])
 def test_newton_residual_and_derivative_are_those_of_the_mixed_form(freefem_text, axis):
     """Blocks and dense products against forms of [P2, P2, P1] written here, and a chord against both."""
