@@ -8,6 +8,7 @@ import pytest
 
 from tests.conftest import run_freefem
 from tools.command import ROOT
+from tools.mesh_files import read_field, read_mesh
 from tools.tables import read_table
 
 
@@ -106,6 +107,14 @@ cout << "FOUND " << reached << " " << newtonFactorisations << " " << -2.*(weight
     reached, factorisations, drag = map(float, out.split("FOUND")[1].split()[:3])
     assert reached == 1 and factorisations <= 10
     assert drag == pytest.approx(5.57953523384, rel=5e-4)  # DFG 2D-1, straight edges
+
+
+def test_the_fields_keep_all_nodes_of_the_velocity(freefem_text, run_folder):
+    freefem_text(CLOSED.replace("EXCESS", "0"), "-fields", 1, "-out", run_folder)
+    fine, values = read_field(run_folder / "fields.vtu")
+    assert len(fine.triangles) == 4 * len(read_mesh(run_folder / "mesh.mesh").triangles)
+    y = fine.points[:, 1]
+    assert abs(values["velocity"][:, 0] - 4 * y * (1 - y)).max() < 1e-6
 
 
 CLOSED = r'''
@@ -391,6 +400,8 @@ def test_the_pictures_are_drawn(freefem, run_folder, coarse_pipe):
     from tools import plot_steady
     run(freefem, run_folder, "pipe_flow", "-mesh", coarse_pipe, *SHORT)
     assert plot_steady.main([str(run_folder)]) == 0
+    mesh, (fine, values) = read_mesh(run_folder / "mesh.mesh"), read_field(run_folder / "fields.vtu")
+    assert len(fine.triangles) == 4 * len(mesh.triangles) and len(values["velocity"]) == len(fine.points)
     for name in ("streamlines", "speed", "pressure", "walls"):
         assert (run_folder / f"{name}.png").stat().st_size > 5000
     assert not (run_folder / "k.png").exists()
