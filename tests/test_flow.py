@@ -225,6 +225,34 @@ def test_a_flow_without_particles_spends_no_time_on_them(cylinder):
     assert all(count)
 
 
+THROUGH = """
+include "lib/options.idp"
+optCase("through", "a channel, the velocity given at both ends");
+optDefault("-mesh", "meshes/taylor_green.mesh");
+include "lib/labels.idp"
+real rhoFluid = 1, mu = 0.1;
+int[int] flowNoSlip = [labelBottom, labelTop], flowMoving = [labelLeft, labelRight], flowOutlet(0), flowSlip(0);
+real flowPeriodX = 0, flowPeriodY = 0;
+macro boundaryU() (4*y*(1 - y)) // EOM
+func real boundaryRamp(real t) { return 1; }
+macro caseStart() { Wh start = 4*y*(1 - y); flowU = start[]; flowU1 = start[]; } // EOM
+include "scripts/flow.edp"
+"""
+
+
+def test_what_is_given_to_flow_out_is_no_inflow(freefem_text, run_folder):
+    freefem_text(THROUGH, "-convection", 0, "-dt", 0.5, "-cfl", 0, "-tend", 40, "-tolerance", 1e-10, "-out", run_folder)
+    fluid = read_table(run_folder / "fluid.csv")
+    assert fluid["flux_in"][-1] == pytest.approx(2 / 3, rel=1e-9) and fluid["flux_out"][-1] == pytest.approx(2 / 3, rel=1e-9)
+    assert fluid["pressure_drop"][-1] == pytest.approx(8 * 0.1, rel=1e-5)
+
+
+def test_a_lid_that_is_level_to_rounding_lets_nothing_in(freefem_text, run_folder):
+    mesh = 'mesh Lid = square(8, 8, [x, y + (y > 0.99 ? 1e-12*sin(40.*x) : 0.)]); int[int] sides = [1, 13, 2, 12, 3, 14, 4, 11]; savemesh(change(Lid, label = sides), "' + str(run_folder) + '.mesh");'
+    lid = THROUGH.replace("[labelBottom, labelTop]", "[labelBottom, labelLeft, labelRight]").replace("[labelLeft, labelRight], f", "[labelTop], f").replace("4*y*(1 - y)", "16*x^2*(1 - x)^2").replace("macro caseStart", "macro none")
+    freefem_text(mesh + lid, "-mesh", f"{run_folder}.mesh", "-tend", 0.01, "-out", run_folder)
+
+
 def test_a_moving_plate_is_no_inlet_of_the_pressure_drop(freefem_text, run_folder):
     """Couette-Poiseuille flow between a plate at rest and a moving one: p falls by 8 mu from the inlet to the outlet, whatever the plate does."""
     scene = """

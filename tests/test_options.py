@@ -107,6 +107,12 @@ outEnd(1, 1, "finished");
     assert run["about"] == 'a "round" disk in C:\\flows\\' and run["units"]["-rho"] == '"kg"\\m3' and run["parameters"]["-rho"] == 1
 
 
+@pytest.mark.parametrize("case", ["taylor_green", "settling_disk", "cylinder_steady", "pipe_flow"])  # a case of each driver
+def test_a_tolerance_that_leaves_a_solver_nothing_to_do_is_refused(freefem_refused, tmp_path, case):
+    assert "must be below 1, not 10" in freefem_refused(3, f"cases/{case}.edp", "-tolerance", 10, "-out", tmp_path / "run")
+    assert not (tmp_path / "run").exists()
+
+
 @pytest.mark.parametrize("case, flag", [("taylor_green", "-convection"), ("pipe_transport", "-lift"), ("cylinder_steady", "-fields"), ("pipe_flow", "-axisymmetric")])
 def test_a_flag_of_a_driver_is_0_or_1(freefem_refused, tmp_path, case, flag):
     assert "must be 0 or 1, not 2" in freefem_refused(3, f"cases/{case}.edp", flag, "2", "-out", tmp_path / "run")

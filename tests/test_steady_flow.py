@@ -8,6 +8,7 @@ import pytest
 
 from tests.conftest import run_freefem
 from tools.command import ROOT
+from tools.mesh_files import read_field, read_mesh
 from tools.tables import read_table
 
 
@@ -106,6 +107,41 @@ cout << "FOUND " << reached << " " << newtonFactorisations << " " << -2.*(weight
     reached, factorisations, drag = map(float, out.split("FOUND")[1].split()[:3])
     assert reached == 1 and factorisations <= 10
     assert drag == pytest.approx(5.57953523384, rel=5e-4)  # DFG 2D-1, straight edges
+
+
+def test_the_fields_keep_all_nodes_of_the_velocity(freefem_text, run_folder):
+    freefem_text(CLOSED.replace("EXCESS", "0"), "-fields", 1, "-out", run_folder)
+    fine, values = read_field(run_folder / "fields.vtu")
+    assert len(fine.triangles) == 4 * len(read_mesh(run_folder / "mesh.mesh").triangles)
+    y = fine.points[:, 1]
+    assert abs(values["velocity"][:, 0] - 4 * y * (1 - y)).max() < 1e-6
+
+
+CLOSED = r'''
+include "lib/options.idp"
+optCase("closed", "steady, the velocity given all round"); optDefault("-mesh", "meshes/poiseuille.mesh");
+real rhoFluid = 1, mu = 0.1, speed = 1, size = 1, excess = EXCESS;
+include "lib/labels.idp"
+int[int] labelsStill = [labelWall, labelOutlet], labelsMoving = [labelInlet, labelOutlet], labelsFree(0);
+if (excess > -1) labelsStill.resize(1); else labelsMoving.resize(1);
+macro inletU() (4*y*(1 - y)*(x > 1 ? 1 - excess : 1.)) // EOM
+macro caseResult() { resultPut("p_in", int1d(Th, labelInlet)(newtonP), "Pa"); resultPut("p_mean", int2d(Th)(newtonP), "Pa m2"); } // EOM
+include "scripts/steady_laminar.edp"
+'''
+
+
+@pytest.mark.parametrize("excess", [0, 1e-6, -1e-3])
+def test_what_is_let_in_more_than_out_by_rounding_does_no_harm(freefem_text, run_folder, excess):
+    freefem_text(CLOSED.replace("EXCESS", str(excess)), "-out", run_folder)
+    found = results(run_folder)
+    assert found["p_in"] == pytest.approx(1.6, abs=1e-7 + 2 * abs(excess))  # half of 8 mu L, the mean is 0
+    assert abs(found["p_mean"]) < 1e-9
+
+
+@pytest.mark.parametrize("excess, says", [(0.01, "in 0.00666667"), (-0.01, "out 0.00666667"), (-1, "in 0.666667")])
+def test_more_let_in_than_out_without_an_outlet_is_refused(freefem_text, excess, says):
+    done = freefem_text(CLOSED.replace("EXCESS", str(excess)), check=False)
+    assert done.returncode == 3 and f"let {says} m2/s more than" in done.stderr and "there is no outlet" in done.stderr
 
 
 @pytest.mark.parametrize("axis", [0, 1])
@@ -364,6 +400,8 @@ def test_the_pictures_are_drawn(freefem, run_folder, coarse_pipe):
     from tools import plot_steady
     run(freefem, run_folder, "pipe_flow", "-mesh", coarse_pipe, *SHORT)
     assert plot_steady.main([str(run_folder)]) == 0
+    mesh, (fine, values) = read_mesh(run_folder / "mesh.mesh"), read_field(run_folder / "fields.vtu")
+    assert len(fine.triangles) == 4 * len(mesh.triangles) and len(values["velocity"]) == len(fine.points)
     for name in ("streamlines", "speed", "pressure", "walls"):
         assert (run_folder / f"{name}.png").stat().st_size > 5000
     assert not (run_folder / "k.png").exists()

@@ -87,6 +87,23 @@ def test_the_force_at_an_inlet_is_that_of_its_pressure(convection, freefem_text,
     freefem_text(CHANNEL, "-wallforces", 1, "-convection", convection, "-dt", 0.05, "-tend", 8, "-every", 8, "-tolerance", 1e-8, "-out", tmp_path / "run")
     walls = read_table(tmp_path / "run" / "wallforces.csv")
     force = {int(label): fx for label, fx in zip(walls["label"], walls["fx"])}
-    # developed: the walls take 2 * 6 mu of a channel of length 1, the inlet gives it; the nodes at the corners count half for each
-    assert force[11] == pytest.approx(-1.2, rel=0.03)
-    assert sum(force.values()) == pytest.approx(0, abs=2e-3)
+    # developed: the walls take 2 * 6 mu of a channel of length 1, the inlet gives it; across they bear the mean pressure
+    assert force[11] == pytest.approx(-1.2, abs=1e-5)
+    assert force[13] == pytest.approx(0.6, abs=1e-5) and force[14] == pytest.approx(0.6, abs=1e-5)
+    across = dict(zip(walls["label"].astype(int), walls["fy"]))
+    assert across[13] == pytest.approx(-0.6, abs=1e-5) and across[14] == pytest.approx(0.6, abs=1e-5)
+
+
+AT_REST = "macro flowForceY() (-1.) // EOM\nmacro caseStart() { Qh start = 0.5 - y; flowP = start[]; } // EOM"
+
+
+@pytest.mark.parametrize("slip", ["", "labelTop", "labelTop, labelLeft"])
+def test_each_side_of_a_box_at_rest_bears_its_own_pressure(slip, freefem_text, tmp_path):
+    sides = {"labelLeft": 11, "labelRight": 12, "labelBottom": 13, "labelTop": 14}
+    walls = [name for name in sides if name not in slip]
+    freefem_text(case("", walls=", ".join(walls), slip=slip, more=AT_REST, gravity=0), "-wallforces", 1, "-dt", 0.05, "-tend", 0.1, "-out", tmp_path / "run")
+    rows = read_table(tmp_path / "run" / "wallforces.csv")
+    exact = {11: (0, 0), 12: (0, 0), 13: (0, -0.5), 14: (0, -0.5)}  # of a pressure 0.5 - y
+    assert set(rows["label"]) == {sides[name] for name in walls}
+    for label, fx, fy in zip(rows["label"], rows["fx"], rows["fy"]):
+        assert (fx, fy) == pytest.approx(exact[int(label)], abs=1e-9)

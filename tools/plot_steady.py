@@ -43,10 +43,10 @@ def caption(run):
     return run.title + (f" ({', '.join(words)})" if words else "")
 
 
-def draw_field(mesh, values, label, path, title, streams=None):
-    """One scalar field with the outline; `streams`: velocity whose streamlines go on top."""
+def draw_field(mesh, field_mesh, values, label, path, title, streams=None):
+    """One scalar field with the outline of the mesh; `streams`: velocity whose streamlines go on top."""
     figure, axes = one_panel(mesh)
-    grid = Triangulation(*mesh.points.T, mesh.triangles)
+    grid = Triangulation(*field_mesh.points.T, field_mesh.triangles)
     drawn = axes.tripcolor(grid, values, shading="gouraud", cmap=FIELD_MAP, rasterized=True)
     if streams is not None:
         draw_streams(axes, grid, streams)
@@ -115,17 +115,15 @@ def main(arguments=None):
     out.mkdir(parents=True, exist_ok=True)
     mesh = read_mesh(run.folder / "mesh.mesh")
     field_mesh, values = read_field(run.folder / "fields.vtu")
-    field_mesh.edges, field_mesh.labels = mesh.edges, mesh.labels
-    edge_mesh = type(mesh)(field_mesh.points, field_mesh.triangles, mesh.edges, mesh.labels)
-    if len(field_mesh.points) != len(mesh.points):
+    if len(field_mesh.triangles) not in (len(mesh.triangles), 4 * len(mesh.triangles)):  # the fields' are those of the mesh cut in four
         raise BadInput(f"{options.run}: fields.vtu and mesh.mesh do not belong together")
     speed = np.hypot(*values["velocity"][:, :2].T)
-    draw_field(edge_mesh, speed, "speed (m/s)", out / "streamlines.png", caption(run) + ": streamlines", streams=values["velocity"])
+    draw_field(mesh, field_mesh, speed, "speed (m/s)", out / "streamlines.png", caption(run) + ": streamlines", streams=values["velocity"])
     made = ["streamlines.png"]
     for name, label, read in PICTURES:
         field = read(values)
         if np.ptp(field) > 0:  # k and nu_t of a laminar flow are 0
-            draw_field(edge_mesh, field, label, out / f"{name}.png", f"{caption(run)}: {label.split(' (')[0]}")
+            draw_field(mesh, field_mesh, field, label, out / f"{name}.png", f"{caption(run)}: {label.split(' (')[0]}")
             made.append(f"{name}.png")
     draw_walls(run, out / "walls.png")
     print(f"{out}: " + ", ".join([*made, "walls.png"]))
