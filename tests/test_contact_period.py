@@ -100,7 +100,7 @@ def test_overlaps_over_a_seam_and_short_periods_are_refused():
     project(pair)
     with pytest.raises(BadInput, match="overlap"):
         project(pair, options={"-period-x": 0.3})
-    with pytest.raises(BadInput, match="smaller than a quarter"):
+    with pytest.raises(BadInput, match="less than half of it"):
         project(pair, options={"-period-x": 0.04})
 
 
@@ -162,3 +162,12 @@ def test_a_plate_holds_an_ellipse_over_the_seam(freefem, tmp_path):
         ends.append((rows["y"][-1], rows["theta"][-1]))
     assert min(lowest) > -1e-6 and max(lowest) < 1e-3
     assert ends[1] == pytest.approx(ends[0], abs=5e-3) and ends[2] == pytest.approx(ends[0], abs=5e-3)  # at three places within the mesh
+
+
+def test_a_large_disk_and_a_small_one_may_move_fast_in_a_short_period():
+    """0.22 and 0.1 in a period of 1: they cannot meet over both sides, however near to a quarter of it the large one is."""
+    pair = Scene(np.array([[0.3, 0.5], [0.8, 0.3]]), np.array([0.22, 0.1]), np.ones(2), np.array([[1.0, 0.5], [-0.5, 0.2]]))
+    answer = project(pair, 0.05, 1e-11, options={"-period-x": 1.0, "-period-y": 1.0})
+    np.testing.assert_allclose(answer.velocity, pair.velocity, atol=1e-12)
+    with pytest.raises(BadInput, match="in a step"):
+        project(pair, 1.0, 1e-11, options={"-period-x": 1.0, "-period-y": 1.0})
