@@ -290,3 +290,26 @@ def test_the_table_counts_every_particle_once(tmp_path):
 def test_the_table_refuses_runs_that_it_cannot_judge(tmp_path, diameters, words, says):
     with pytest.raises(BadInput, match=says):
         table_of([carried(tmp_path / "run", diameters, **words)])
+
+
+@pytest.mark.parametrize("floor", [0, 1e-3, 1e-6])
+def test_the_time_of_turbulence_stays_positive_where_k_falls_to_a_wall(freefem_text, tmp_path, floor):
+    """epsilon/k as a plain quadratic turned negative between the nodes of an element."""
+    done = freefem_text(f"""
+        mesh Th = square(4, 8);
+        include "lib/carrier_mesh.idp"
+        carrierWh fu = 0, fk = 0.02*square(y*(1 - y)) + {floor}, fe = 0.05;
+        carrierFlow(fu[], fu[]);
+        carrierTurbulence(fk[], fe[]);
+        carrierTurbulent = 1;
+        int n = 20000;
+        real[int] px(n), py(n);
+        randinit(1);
+        for (int k = 0; k < n; ++k) px[k] = randreal1();
+        for (int k = 0; k < n; ++k) py[k] = randreal1();
+        carrierSample(px, py, 0);
+        real low = fe[].max/fk[].max, least = carrierRate.min;
+        cout << "least " << least/low << " finite " << arrayFinite(carrierRate) << endl;
+    """)
+    found = re.search(r"least (\S+) finite (\d)", done.stdout)
+    assert float(found[1]) > 0.999 and found[2] == "1"
