@@ -106,3 +106,19 @@ def test_numbers_that_stop_being_finite(freefem_text):
 def test_bad_words_from_python():
     with pytest.raises(BadInput, match="has no mass"):
         project(Scene([[0, 0]], 0.1, 0.0, [[0, 0]]))
+
+
+@pytest.mark.parametrize("end", ["", "\n", "\r\n", "\n   \n\n \t \n"])
+def test_the_last_line_may_lack_its_end_and_blanks_make_no_line(freefem, tmp_path, end):
+    for name, head, rows in (("bodies", "id,x,y,radius,mass,u,v", [*GOOD[:1], "   ", *GOOD[1:]]), ("walls", "x1,y1,x2,y2", ["0,0,1,0", "     ", "0,1,1,1"])):
+        (tmp_path / f"{name}.csv").write_text("\n".join([head, *rows]) + end)
+    done = freefem(SCRIPT, "-bodies", tmp_path / "bodies.csv", "-walls", tmp_path / "walls.csv", "-out", tmp_path / "out.csv")
+    assert "disks 2," in done.stdout
+    assert (tmp_path / "out.csv").read_text().splitlines() == ["id,u,v", "0,0,0", "1,0,0"]
+
+
+@pytest.mark.parametrize("name", ["2000000001", "5e9", "1e300", "-1"])
+def test_ids_beyond_2e9_are_refused(refused, name):
+    status, lines = refused([*GOOD, f"{name},0.3,0.1,0.01,1,0,0"])
+    assert status == 3 and "is not a whole number from 0 to 2e9" in lines[0] and len(lines) == 2
+    assert refused([*GOOD, "2000000000,0.3,0.1,0.01,1,0,0"])[0] == 0
