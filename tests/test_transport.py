@@ -51,6 +51,20 @@ def test_contacts_keep_falling_spheres_apart(freefem, run_folder):
     assert min(gaps) > -1e-8 * 0.0005
 
 
+def test_gaps_and_normals_of_contacts_are_of_their_row_s_time(freefem, run_folder):
+    """They were those before the step's move."""
+    freefem(SCRIPT, "-out", run_folder, "-flow", "straining", "-rate", 20, "-number", 5, "-start-x", 0.01, "-start-y", -0.006, "-spread", 0.012, "-radius", 0.001,
+            "-radius-last", 0.0012, "-contacts", 1, "-gravity", -5, "-drag", "brown-lawler", "-tend", 0.1, "-dt", 0.002, "-every", 0.002)
+    at = {(row["t"], row["id"]): np.array([float(row[name]) for name in ("x", "y", "radius")]) for row in rows(run_folder / "particles.csv")}
+    touching = rows(run_folder / "contacts.csv")
+    assert len(touching) > 20
+    for row in touching:
+        apart = at[row["t"], row["i"]] - at[row["t"], row["j"]]
+        far = np.hypot(*apart[:2])
+        assert float(row["gap"]) == pytest.approx(far - at[row["t"], row["i"]][2] - at[row["t"], row["j"]][2], abs=2e-12)
+        np.testing.assert_allclose([float(row["nx"]), float(row["ny"])], apart[:2] / far, atol=1e-8)
+
+
 def test_two_runs_with_one_seed_are_the_same_and_another_seed_differs(freefem, tmp_path):
     words = ["-turbulence", "fluctuation", "-sigma", 0.1, "-number", 5, "-tend", 0.05, "-dt", 0.01]
     for name, seed in (("a", 3), ("b", 3), ("c", 4)):
