@@ -77,6 +77,17 @@ def test_overlaps_are_pushed_apart_on_request():
     assert answer.figures[0]["gap"] > -1e-10
 
 
+@pytest.mark.parametrize("rows, walls", [
+    (["0,0.1,0.1,0.01,1,0,0", "1,0.1,0.1,0.01,1,0,0"], ["0,0,1,0"]),
+    (["0,0.1,0.1,0.01,1,0,0", "1,0.1,0.1,0.02,3,0,0", "2,0.1,0.1,0.01,1,0,0", "3,0.11,0.1,0.01,1,0,0"], None),
+    (["0,0.1,0,0.01,1,0,0", "1,0.2,0,0.01,1,0,0"], ["0,0,1,0"]),
+    (["0,0.1,0.1,0.01,1,0,0"], ["0,0,0.2,0.2"]),
+    (["0,0,0.1,0.01,1,0,0", "1,0,0.1,0.02,1,0,0"], ["0,0,0,1"]),
+])
+def test_centres_in_one_place_or_on_a_wall_are_pushed_apart_too(refused, rows, walls):
+    assert refused(rows, walls, "-contact-initial", "push") == (0, [])
+
+
 @pytest.mark.parametrize("obstacle", [True, False])
 def test_a_disk_on_the_wrong_side_of_closed_walls(refused, obstacle):
     corners = [(0.3, 0.3), (0.4, 0.3), (0.35, 0.4)]
