@@ -133,3 +133,39 @@ def test_ids_beyond_2e9_are_refused(refused, name):
     status, lines = refused([*GOOD, f"{name},0.3,0.1,0.01,1,0,0"])
     assert status == 3 and "is not a whole number from 0 to 2e9" in lines[0] and len(lines) == 2
     assert refused([*GOOD, "2000000000,0.3,0.1,0.01,1,0,0"])[0] == 0
+
+
+def ring(*corners):
+    """The rows of walls.csv of a closed chain."""
+    return [f"{a[0]},{a[1]},{b[0]},{b[1]}" for a, b in zip(corners, corners[1:] + corners[:1])]
+
+
+def square(low, high):
+    return ring((low, low), (high, low), (high, high), (low, high))
+
+
+TRIANGLE = ring((0, 0), (1, 0), (0.5, 1))
+BOX, NEXT = ring((0, 0), (1, 0), (1, 1), (0, 1)), ["1,0,2,0", "2,0,2,1", "2,1,1,1"]
+
+
+@pytest.mark.parametrize("walls, places, wrong", [
+    (BOX + ring((3, 0), (4, 0), (4, 1), (3, 1)), [(0.3, 0.5), (3.3, 0.5)], None),  # two boxes
+    (BOX + NEXT, [(0.3, 0.5), (0.7, 0.5), (1.5, 0.5)], None),  # chambers that share a wall, drawn once,
+    (BOX + ring((1, 0), (2, 0), (2, 1), (1, 1)), [(0.3, 0.5), (1.5, 0.5), (1.7, 0.5)], None),  # twice,
+    (BOX + ["1,0.2,2,0.2", "2,0.2,2,0.8", "2,0.8,1,0.8"], [(0.3, 0.5), (1.5, 0.5)], None),  # from the middle of another
+    (BOX + ["0.5,0,0.5,1"], [(0.3, 0.5), (0.7, 0.5)], None),  # a partition
+    (BOX + NEXT, [(0.3, 0.5), (3, 3), (4, 3)], "particle 0 stands inside an obstacle"),
+    (square(0, 4) + square(1, 3), [(0.5, 0.5), (2, 2), (0.5, 3.5)], "particle 1 stands inside an obstacle"),
+    (square(0, 4) + square(1, 3), [(2, 2), (5, 5), (6, 6)], None),  # in the hole of a ring, and around it
+    (square(0, 9) + square(1, 4) + square(2, 3), [(0.5, 0.5), (2.5, 2.5), (5, 5), (1.5, 2.5)], "particle 3 stands inside an obstacle"),
+    (TRIANGLE, [(0.5, 0.35), (3, 3), (4, 3)], "particle 0 stands inside an obstacle"),
+    (["0,0,-0.5,0"] + TRIANGLE, [(0.5, 0.35), (3, 3), (4, 3)], "particle 0 stands inside an obstacle"),  # with a fin
+    (TRIANGLE + ["0,0,-0.5,0", "0.5,0,0.5,-1"], [(0.5, 0.35), (3, 3), (4, 3)], "particle 0 stands inside an obstacle"),
+    (["0.5,1,0.5,0.5", "0.5,1,0.5,2"] + TRIANGLE, [(0.7, 0.35), (3, 3), (4, 3)], "particle 0 stands inside an obstacle"),
+    (TRIANGLE[:2] + ["0,0,-0.5,0"], [(0.5, 0.35), (3, 3), (4, 3)], None),  # not closed
+    (TRIANGLE + ["0,0,-1,0", "0,0,-0.5,1", "-1,0,-0.5,1"], [(0.5, 0.35), (-0.5, 0.35), (3, 3), (4, 3), (5, 3)], "particle 1 stands inside an obstacle"),
+])
+def test_chambers_and_obstacles(refused, walls, places, wrong):
+    status, lines = refused([f"{k},{x},{y},0.05,1,0,0" for k, (x, y) in enumerate(places)], walls)
+    assert status == (5 if wrong else 0), lines
+    assert wrong is None or any(wrong in line for line in lines)
