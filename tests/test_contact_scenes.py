@@ -4,6 +4,7 @@ import pytest
 
 from tests.test_contact_motion import SCENE
 from tools.contact_problems import Scene
+from tools.plot_contacts import ContactRun
 from tools.tables import read_table
 
 
@@ -131,3 +132,19 @@ def test_the_least_gap_of_disks_that_are_all_held(freefem, tmp_path, speed, gap)
     found = float(done.stdout.split("least gap ")[1].split()[0])
     assert found == pytest.approx(gap, abs=1e-12) if gap < 0.2 else 0 <= found <= 0.6
     assert ("warning" in done.stdout + done.stderr) == (gap < 0)
+
+
+@pytest.mark.parametrize("change", ["contactWallSegment(-1, 0.45, 1, 0.45);", "contactWallsKeep(1);"])
+def test_a_list_of_walls_that_changes_goes_on_from_a_checkpoint(contacts, tmp_path, change):
+    """It was refused as made with other walls, or read into arrays of another size."""
+    scene = ("bodyDisk(0, 0.1, 0.1, 1000); bodyAdd(0, 0.31, 0.1, 1000, 0, 3, 0, 1);", "contactWallSegment(-1, 0, 1, 0); contactWallSegment(-1, 0.6, 1, 0.6);")
+    words = ("-dt", 0.001, "-every", 0.01, "-checkpoint", 50)
+    more = f"macro caseStep() if (step == 20) {{ {change} }} // EOM"
+    whole = contacts(*scene, *words, "-tend", 0.1, gravity=-10, more=more, name="whole")
+    contacts(*scene, *words, "-tend", 0.05, gravity=-10, more=more, name="half")
+    contacts(*scene, *words, "-tend", 0.1, "-restart", tmp_path / "half", gravity=-10, more=more, name="half")
+    for name in ("particles.csv", "contacts.csv"):
+        assert (whole / name).read_bytes() == (tmp_path / "half" / name).read_bytes(), name
+    assert len(read_table(whole / "contacts.csv")["t"]) > 0
+    if "Segment" in change:
+        assert len(ContactRun(whole).walls) == 2 and ContactRun(whole).walls_at(0.1).shape == (3, 2, 2)

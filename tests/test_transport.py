@@ -327,3 +327,31 @@ def test_the_time_of_turbulence_stays_positive_where_k_falls_to_a_wall(freefem_t
     """)
     found = re.search(r"least (\S+) finite (\d)", done.stdout)
     assert float(found[1]) > 0.999 and found[2] == "1"
+
+
+PISTON = """include "lib/options.idp"
+optCase("piston", "a wall goes through a fluid at rest");
+real rhoFluid = 1000, mu = 0.001, gravityX = 0, gravityY = 0;
+macro carrierExact(px, py, t) carrierU = 0.; // EOM
+macro caseParticles() {
+    contactWallSegment(-0.03, -1, -0.03, 1); contactWallVelocity(0, 1, 0);
+    real[int] x0 = [0., 0.1], y0 = [0., 0.], r = [0.01, 0.01], d = [2500., 2500.], z = [0., 0.];
+    transportAppend(x0, y0, r, d, z, z, z);
+} // EOM
+include "scripts/transport.edp"
+"""
+
+
+def test_walls_that_are_given_a_velocity_go_with_it_over_a_restart_too(freefem_text, tmp_path):
+    """The projection heard of the velocity, the wall stood still: the sphere went off at 1 m/s as soon as it was near."""
+    words = ["-dt", 0.001, "-every", 0.01, "-checkpoint", 50, "-tend"]
+    freefem_text(PISTON, *words, 0.1, "-out", tmp_path / "whole")
+    freefem_text(PISTON, *words, 0.05, "-out", tmp_path / "half")
+    freefem_text(PISTON, *words, 0.1, "-restart", tmp_path / "half")
+    table = [row for row in rows(tmp_path / "whole/particles.csv") if row["id"] == "0"]
+    for row in table:
+        gap = float(row["x"]) - (float(row["t"]) - 0.03) - 0.01
+        assert gap > -1e-10 and (gap < 1e-3 or float(row["t"]) < 0.0205)
+    assert len(rows(tmp_path / "whole/contacts.csv")) > 5
+    for name in ("particles.csv", "contacts.csv"):
+        assert (tmp_path / "whole" / name).read_bytes() == (tmp_path / "half" / name).read_bytes(), name
