@@ -169,3 +169,11 @@ def test_chambers_and_obstacles(refused, walls, places, wrong):
     status, lines = refused([f"{k},{x},{y},0.05,1,0,0" for k, (x, y) in enumerate(places)], walls)
     assert status == (5 if wrong else 0), lines
     assert wrong is None or any(wrong in line for line in lines)
+
+
+@pytest.mark.parametrize("words", [("-out", "none/out.csv"), ("-contacts", "none/contacts.csv"), ("-out", ".")])
+def test_what_cannot_be_written_is_refused_before_the_work(freefem_refused, tmp_path, words):
+    (tmp_path / "bodies.csv").write_text("\n".join(["id,x,y,radius,mass,u,v", *GOOD]) + "\n")
+    files = {"-out": tmp_path / "out.csv", words[0]: tmp_path / words[1]}
+    line = freefem_refused(3, SCRIPT, "-bodies", tmp_path / "bodies.csv", *(word for pair in files.items() for word in pair))
+    assert f"{words[0]}: cannot write the file" in line and not (tmp_path / "out.csv").exists()
