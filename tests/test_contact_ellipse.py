@@ -266,3 +266,20 @@ include "scripts/contacts.edp"
 """
     done = freefem_text(scene_alone, "-out", tmp_path / "run", check=False)
     assert done.returncode == 3 and "ellipses belong into a fluid" in done.stderr and not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("seed, which, wall", [(1, 7, 2), (7, 3, 3), (7, 3, 5)])
+def test_the_gap_to_a_wall_whose_end_has_pierced_an_ellipse(freefem_text, seed, which, wall):
+    """The end that was looked at was the other one: -0.44 in place of -0.096."""
+    rng = np.random.default_rng(seed)
+    bodies = [(*rng.uniform(-2, 2, 2), rng.uniform(-10, 10), np.exp(rng.uniform(-3, 0.3)), rng.choice([0.02, 0.05, 0.2, 0.6, 0.95, 1.0])) for _ in range(12)]
+    walls = []
+    for _ in range(6):
+        start, length, turn = rng.uniform(-2, 2, 2), np.exp(rng.uniform(-4, 1)), rng.uniform(0, 2 * np.pi)
+        walls.append((*start, start[0] + length * np.cos(turn), start[1] + length * np.sin(turn)))
+    (x, y, theta, a, aspect), (x1, y1, x2, y2) = bodies[which], walls[wall]
+    n = np.linspace(0, 2 * np.pi, 200001)
+    ends = np.minimum(np.cos(n) * (x - x1) + np.sin(n) * (y - y1), np.cos(n) * (x - x2) + np.sin(n) * (y - y2))
+    true = (ends - a * np.hypot(np.cos(n - theta), aspect * np.sin(n - theta))).max()
+    text = freefem_text(scene([bodies[which]], [walls[wall]], [1.0], [1.0], [(0.0, 0.0, 0.0)], more=MEASURE)).stdout
+    assert float(next(line for line in text.splitlines() if line.startswith("gap ")).split()[3]) == pytest.approx(true, abs=1e-6)

@@ -77,6 +77,17 @@ def test_overlaps_are_pushed_apart_on_request():
     assert answer.figures[0]["gap"] > -1e-10
 
 
+@pytest.mark.parametrize("rows, walls", [
+    (["0,0.1,0.1,0.01,1,0,0", "1,0.1,0.1,0.01,1,0,0"], ["0,0,1,0"]),
+    (["0,0.1,0.1,0.01,1,0,0", "1,0.1,0.1,0.02,3,0,0", "2,0.1,0.1,0.01,1,0,0", "3,0.11,0.1,0.01,1,0,0"], None),
+    (["0,0.1,0,0.01,1,0,0", "1,0.2,0,0.01,1,0,0"], ["0,0,1,0"]),
+    (["0,0.1,0.1,0.01,1,0,0"], ["0,0,0.2,0.2"]),
+    (["0,0,0.1,0.01,1,0,0", "1,0,0.1,0.02,1,0,0"], ["0,0,0,1"]),
+])
+def test_centres_in_one_place_or_on_a_wall_are_pushed_apart_too(refused, rows, walls):
+    assert refused(rows, walls, "-contact-initial", "push") == (0, [])
+
+
 @pytest.mark.parametrize("obstacle", [True, False])
 def test_a_disk_on_the_wrong_side_of_closed_walls(refused, obstacle):
     corners = [(0.3, 0.3), (0.4, 0.3), (0.35, 0.4)]
@@ -106,3 +117,63 @@ def test_numbers_that_stop_being_finite(freefem_text):
 def test_bad_words_from_python():
     with pytest.raises(BadInput, match="has no mass"):
         project(Scene([[0, 0]], 0.1, 0.0, [[0, 0]]))
+
+
+@pytest.mark.parametrize("end", ["", "\n", "\r\n", "\n   \n\n \t \n"])
+def test_the_last_line_may_lack_its_end_and_blanks_make_no_line(freefem, tmp_path, end):
+    for name, head, rows in (("bodies", "id,x,y,radius,mass,u,v", [*GOOD[:1], "   ", *GOOD[1:]]), ("walls", "x1,y1,x2,y2", ["0,0,1,0", "     ", "0,1,1,1"])):
+        (tmp_path / f"{name}.csv").write_text("\n".join([head, *rows]) + end)
+    done = freefem(SCRIPT, "-bodies", tmp_path / "bodies.csv", "-walls", tmp_path / "walls.csv", "-out", tmp_path / "out.csv")
+    assert "disks 2," in done.stdout
+    assert (tmp_path / "out.csv").read_text().splitlines() == ["id,u,v", "0,0,0", "1,0,0"]
+
+
+@pytest.mark.parametrize("name", ["2000000001", "5e9", "1e300", "-1"])
+def test_ids_beyond_2e9_are_refused(refused, name):
+    status, lines = refused([*GOOD, f"{name},0.3,0.1,0.01,1,0,0"])
+    assert status == 3 and "is not a whole number from 0 to 2e9" in lines[0] and len(lines) == 2
+    assert refused([*GOOD, "2000000000,0.3,0.1,0.01,1,0,0"])[0] == 0
+
+
+def ring(*corners):
+    """The rows of walls.csv of a closed chain."""
+    return [f"{a[0]},{a[1]},{b[0]},{b[1]}" for a, b in zip(corners, corners[1:] + corners[:1])]
+
+
+def square(low, high):
+    return ring((low, low), (high, low), (high, high), (low, high))
+
+
+TRIANGLE = ring((0, 0), (1, 0), (0.5, 1))
+BOX, NEXT = ring((0, 0), (1, 0), (1, 1), (0, 1)), ["1,0,2,0", "2,0,2,1", "2,1,1,1"]
+
+
+@pytest.mark.parametrize("walls, places, wrong", [
+    (BOX + ring((3, 0), (4, 0), (4, 1), (3, 1)), [(0.3, 0.5), (3.3, 0.5)], None),  # two boxes
+    (BOX + NEXT, [(0.3, 0.5), (0.7, 0.5), (1.5, 0.5)], None),  # chambers that share a wall, drawn once,
+    (BOX + ring((1, 0), (2, 0), (2, 1), (1, 1)), [(0.3, 0.5), (1.5, 0.5), (1.7, 0.5)], None),  # twice,
+    (BOX + ["1,0.2,2,0.2", "2,0.2,2,0.8", "2,0.8,1,0.8"], [(0.3, 0.5), (1.5, 0.5)], None),  # from the middle of another
+    (BOX + ["0.5,0,0.5,1"], [(0.3, 0.5), (0.7, 0.5)], None),  # a partition
+    (BOX + NEXT, [(0.3, 0.5), (3, 3), (4, 3)], "particle 0 stands inside an obstacle"),
+    (square(0, 4) + square(1, 3), [(0.5, 0.5), (2, 2), (0.5, 3.5)], "particle 1 stands inside an obstacle"),
+    (square(0, 4) + square(1, 3), [(2, 2), (5, 5), (6, 6)], None),  # in the hole of a ring, and around it
+    (square(0, 9) + square(1, 4) + square(2, 3), [(0.5, 0.5), (2.5, 2.5), (5, 5), (1.5, 2.5)], "particle 3 stands inside an obstacle"),
+    (TRIANGLE, [(0.5, 0.35), (3, 3), (4, 3)], "particle 0 stands inside an obstacle"),
+    (["0,0,-0.5,0"] + TRIANGLE, [(0.5, 0.35), (3, 3), (4, 3)], "particle 0 stands inside an obstacle"),  # with a fin
+    (TRIANGLE + ["0,0,-0.5,0", "0.5,0,0.5,-1"], [(0.5, 0.35), (3, 3), (4, 3)], "particle 0 stands inside an obstacle"),
+    (["0.5,1,0.5,0.5", "0.5,1,0.5,2"] + TRIANGLE, [(0.7, 0.35), (3, 3), (4, 3)], "particle 0 stands inside an obstacle"),
+    (TRIANGLE[:2] + ["0,0,-0.5,0"], [(0.5, 0.35), (3, 3), (4, 3)], None),  # not closed
+    (TRIANGLE + ["0,0,-1,0", "0,0,-0.5,1", "-1,0,-0.5,1"], [(0.5, 0.35), (-0.5, 0.35), (3, 3), (4, 3), (5, 3)], "particle 1 stands inside an obstacle"),
+])
+def test_chambers_and_obstacles(refused, walls, places, wrong):
+    status, lines = refused([f"{k},{x},{y},0.05,1,0,0" for k, (x, y) in enumerate(places)], walls)
+    assert status == (5 if wrong else 0), lines
+    assert wrong is None or any(wrong in line for line in lines)
+
+
+@pytest.mark.parametrize("words", [("-out", "none/out.csv"), ("-contacts", "none/contacts.csv"), ("-out", ".")])
+def test_what_cannot_be_written_is_refused_before_the_work(freefem_refused, tmp_path, words):
+    (tmp_path / "bodies.csv").write_text("\n".join(["id,x,y,radius,mass,u,v", *GOOD]) + "\n")
+    files = {"-out": tmp_path / "out.csv", words[0]: tmp_path / words[1]}
+    line = freefem_refused(3, SCRIPT, "-bodies", tmp_path / "bodies.csv", *(word for pair in files.items() for word in pair))
+    assert f"{words[0]}: cannot write the file" in line and not (tmp_path / "out.csv").exists()

@@ -4,6 +4,7 @@ import pytest
 
 from tests.test_contact_motion import SCENE
 from tools.contact_problems import Scene
+from tools.plot_contacts import ContactRun
 from tools.tables import read_table
 
 
@@ -108,3 +109,42 @@ def test_a_wall_within_a_period_is_one_wall(contacts, gravity):
     for column in ("x", "y", "u", "v"):
         assert rows[1][column][-1] == pytest.approx(rows[0][column][-1], abs=1e-9)
     assert rows[1]["u"][-1] == pytest.approx(1, abs=1e-9)
+
+
+@pytest.mark.parametrize("bodies, walls", [
+    ("bodyAdd(0, 0, 0.1, 1, 1, 0, 0, 0); bodyAdd(0.5, 0, 0.1, 1, -1, 0, 0, 0);", ""),
+    ("bodyAdd(0, 0, 0.1, 1, 0, 0, 0, 0); bodyAdd(0.5, 0.5, 0.1, 1, 0, 0, 0, 0);", "contactWallSegment(-1, -0.3, 1, -0.3); contactWallVelocity(0, 0, 1);"),
+])
+def test_held_disks_that_overlap_are_told_once(freefem_text, tmp_path, bodies, walls):
+    """They went through each other without a word, and the least gap was that of the others."""
+    text = SCENE.format(bodies=bodies + " bodyDisk(0, 2, 0.1, 1);", walls=walls, gravity=0, more="")
+    done = freefem_text(text, "-dt", 0.01, "-tend", 0.25, "-every", 0.01, "-out", tmp_path / "run")
+    assert (done.stdout + done.stderr).count("warning: held bodies are moved into each other") == 1
+    gaps = read_table(tmp_path / "run/motion.csv")["worst_gap"]
+    assert gaps[-1] == pytest.approx(-0.2 if not walls else -0.05, abs=1e-9)
+    assert gaps[5] == pytest.approx(0.2 if not walls else 0.15, abs=0.2) and gaps[5] >= 0
+
+
+@pytest.mark.parametrize("speed, gap", [(1, -0.1), (0.8, 0.1), (0.3, 0.6)])
+def test_the_least_gap_of_disks_that_are_all_held(freefem, tmp_path, speed, gap):
+    (tmp_path / "disks.csv").write_text(f"id,x,y,radius,mass,u,v\n0,0,0,0.5,-1,{speed},0\n1,1.9,0,0.5,-1,-{speed},0\n2,0,9,0.5,-1,0,0\n")
+    done = freefem("scripts/project_velocities.edp", "-bodies", tmp_path / "disks.csv", "-out", tmp_path / "out.csv", "-dt", 0.5)
+    found = float(done.stdout.split("least gap ")[1].split()[0])
+    assert found == pytest.approx(gap, abs=1e-12) if gap < 0.2 else 0 <= found <= 0.6
+    assert ("warning" in done.stdout + done.stderr) == (gap < 0)
+
+
+@pytest.mark.parametrize("change", ["contactWallSegment(-1, 0.45, 1, 0.45);", "contactWallsKeep(1);"])
+def test_a_list_of_walls_that_changes_goes_on_from_a_checkpoint(contacts, tmp_path, change):
+    """It was refused as made with other walls, or read into arrays of another size."""
+    scene = ("bodyDisk(0, 0.1, 0.1, 1000); bodyAdd(0, 0.31, 0.1, 1000, 0, 3, 0, 1);", "contactWallSegment(-1, 0, 1, 0); contactWallSegment(-1, 0.6, 1, 0.6);")
+    words = ("-dt", 0.001, "-every", 0.01, "-checkpoint", 50)
+    more = f"macro caseStep() if (step == 20) {{ {change} }} // EOM"
+    whole = contacts(*scene, *words, "-tend", 0.1, gravity=-10, more=more, name="whole")
+    contacts(*scene, *words, "-tend", 0.05, gravity=-10, more=more, name="half")
+    contacts(*scene, *words, "-tend", 0.1, "-restart", tmp_path / "half", gravity=-10, more=more, name="half")
+    for name in ("particles.csv", "contacts.csv"):
+        assert (whole / name).read_bytes() == (tmp_path / "half" / name).read_bytes(), name
+    assert len(read_table(whole / "contacts.csv")["t"]) > 0
+    if "Segment" in change:
+        assert len(ContactRun(whole).walls) == 2 and ContactRun(whole).walls_at(0.1).shape == (3, 2, 2)

@@ -296,6 +296,14 @@ cout << "read " << bodyNumber << " " << bodyId[0] << " " << bodyX[0] << " " << b
     assert read_table(tmp_path / "windows.csv")["id"].tolist() == [7, 9]
 
 
+def test_lines_of_blanks_are_no_particles(freefem_text, tmp_path):
+    (tmp_path / "some.csv").write_text("id,x,y,radius,density\n7,5,0,1,2\n   \n \t\r\n9,8,0,1,2\n  ")
+    got = freefem_text(f"""include "lib/bodies.idp"
+bodyRead("{tmp_path}/some.csv");
+cout << "read " << bodyNumber << " " << bodyId[1] << endl;""").stdout
+    assert "read 2 9" in got
+
+
 def test_columns_stand_in_any_order_and_make_ellipses_and_held_bodies(freefem, tmp_path):
     """As the same scene written into the case."""
     (tmp_path / "scene.csv").write_text("theta,x,y,aspect,id,radius,density,free,u\n0.7,0.8,1.5,0.5,0,0.4,1.3,1,0\n0,1.3,3,1,1,0.2,1,0,0.5\n")

@@ -51,6 +51,20 @@ def test_contacts_keep_falling_spheres_apart(freefem, run_folder):
     assert min(gaps) > -1e-8 * 0.0005
 
 
+def test_gaps_and_normals_of_contacts_are_of_their_row_s_time(freefem, run_folder):
+    """They were those before the step's move."""
+    freefem(SCRIPT, "-out", run_folder, "-flow", "straining", "-rate", 20, "-number", 5, "-start-x", 0.01, "-start-y", -0.006, "-spread", 0.012, "-radius", 0.001,
+            "-radius-last", 0.0012, "-contacts", 1, "-gravity", -5, "-drag", "brown-lawler", "-tend", 0.1, "-dt", 0.002, "-every", 0.002)
+    at = {(row["t"], row["id"]): np.array([float(row[name]) for name in ("x", "y", "radius")]) for row in rows(run_folder / "particles.csv")}
+    touching = rows(run_folder / "contacts.csv")
+    assert len(touching) > 20
+    for row in touching:
+        apart = at[row["t"], row["i"]] - at[row["t"], row["j"]]
+        far = np.hypot(*apart[:2])
+        assert float(row["gap"]) == pytest.approx(far - at[row["t"], row["i"]][2] - at[row["t"], row["j"]][2], abs=2e-12)
+        np.testing.assert_allclose([float(row["nx"]), float(row["ny"])], apart[:2] / far, atol=1e-8)
+
+
 def test_two_runs_with_one_seed_are_the_same_and_another_seed_differs(freefem, tmp_path):
     words = ["-turbulence", "fluctuation", "-sigma", 0.1, "-number", 5, "-tend", 0.05, "-dt", 0.01]
     for name, seed in (("a", 3), ("b", 3), ("c", 4)):
@@ -290,3 +304,54 @@ def test_the_table_counts_every_particle_once(tmp_path):
 def test_the_table_refuses_runs_that_it_cannot_judge(tmp_path, diameters, words, says):
     with pytest.raises(BadInput, match=says):
         table_of([carried(tmp_path / "run", diameters, **words)])
+
+
+@pytest.mark.parametrize("floor", [0, 1e-3, 1e-6])
+def test_the_time_of_turbulence_stays_positive_where_k_falls_to_a_wall(freefem_text, tmp_path, floor):
+    """epsilon/k as a plain quadratic turned negative between the nodes of an element."""
+    done = freefem_text(f"""
+        mesh Th = square(4, 8);
+        include "lib/carrier_mesh.idp"
+        carrierWh fu = 0, fk = 0.02*square(y*(1 - y)) + {floor}, fe = 0.05;
+        carrierFlow(fu[], fu[]);
+        carrierTurbulence(fk[], fe[]);
+        carrierTurbulent = 1;
+        int n = 20000;
+        real[int] px(n), py(n);
+        randinit(1);
+        for (int k = 0; k < n; ++k) px[k] = randreal1();
+        for (int k = 0; k < n; ++k) py[k] = randreal1();
+        carrierSample(px, py, 0);
+        real low = fe[].max/fk[].max, least = carrierRate.min;
+        cout << "least " << least/low << " finite " << arrayFinite(carrierRate) << endl;
+    """)
+    found = re.search(r"least (\S+) finite (\d)", done.stdout)
+    assert float(found[1]) > 0.999 and found[2] == "1"
+
+
+PISTON = """include "lib/options.idp"
+optCase("piston", "a wall goes through a fluid at rest");
+real rhoFluid = 1000, mu = 0.001, gravityX = 0, gravityY = 0;
+macro carrierExact(px, py, t) carrierU = 0.; // EOM
+macro caseParticles() {
+    contactWallSegment(-0.03, -1, -0.03, 1); contactWallVelocity(0, 1, 0);
+    real[int] x0 = [0., 0.1], y0 = [0., 0.], r = [0.01, 0.01], d = [2500., 2500.], z = [0., 0.];
+    transportAppend(x0, y0, r, d, z, z, z);
+} // EOM
+include "scripts/transport.edp"
+"""
+
+
+def test_walls_that_are_given_a_velocity_go_with_it_over_a_restart_too(freefem_text, tmp_path):
+    """The projection heard of the velocity, the wall stood still: the sphere went off at 1 m/s as soon as it was near."""
+    words = ["-dt", 0.001, "-every", 0.01, "-checkpoint", 50, "-tend"]
+    freefem_text(PISTON, *words, 0.1, "-out", tmp_path / "whole")
+    freefem_text(PISTON, *words, 0.05, "-out", tmp_path / "half")
+    freefem_text(PISTON, *words, 0.1, "-restart", tmp_path / "half")
+    table = [row for row in rows(tmp_path / "whole/particles.csv") if row["id"] == "0"]
+    for row in table:
+        gap = float(row["x"]) - (float(row["t"]) - 0.03) - 0.01
+        assert gap > -1e-10 and (gap < 1e-3 or float(row["t"]) < 0.0205)
+    assert len(rows(tmp_path / "whole/contacts.csv")) > 5
+    for name in ("particles.csv", "contacts.csv"):
+        assert (tmp_path / "whole" / name).read_bytes() == (tmp_path / "half" / name).read_bytes(), name

@@ -57,3 +57,42 @@ def test_a_fluid_at_rest_cannot_be_compressed_by_short_steps(freefem_text, tmp_p
     done = freefem_text(BOX.format(mesh=mesh), "-mesh", mesh, "-coupling-width", 0.06, "-drag", "schiller-naumann", "-dt", 1e-5, "-tend", 1e-4, "-contacts", 0, "-out", tmp_path / "run")
     through = float(next(line for line in done.stdout.splitlines() if line.startswith("through")).split()[1])
     assert abs(through) < 1e-6
+
+
+SOURCE = """mesh Th = square(10, 10);
+fespace sourceQh(Th, P1);
+include "lib/options.idp"
+include "lib/source.idp"
+carrierWh fu = 0; carrierFlow(fu[], fu[]);
+sourceBegin(0.1);
+int n = 20000;
+randinit(3);
+real[int] px(n), py(n), fx(n), fy(n), s(sourceN), laid(sourceN);
+for (int k = 0; k < n; ++k) px[k] = randreal1();
+for (int k = 0; k < n; ++k) py[k] = randreal1();
+for (int k = 0; k < n; ++k) fx[k] = randreal1() - 0.3;
+for (int k = 0; k < n; ++k) fy[k] = randreal1() - 0.5;
+carrierSample(px, py, 0);
+real t0 = clock();
+sourceSpread(fx, fy);
+real spent = clock() - t0;
+laid = 0.;
+for (int k = 0; k < n; ++k) {
+    int T = Th(px[k], py[k]).nuTriangle;
+    real[int] l(3);
+    for (int i = 0; i < 3; ++i) {
+        real ax = Th[T][(i + 1) % 3].x, ay = Th[T][(i + 1) % 3].y, bx = Th[T][(i + 2) % 3].x, by = Th[T][(i + 2) % 3].y;
+        l[i] = 0.5*((ax - px[k])*(by - py[k]) - (ay - py[k])*(bx - px[k]))/Th[T].area;
+    }
+    for (int i = 0; i < 3; ++i) laid[sourceQh(T, i)] += l[i]*fx[k];
+}
+s = sourceS^-1*laid; laid = sourceM*s; s = sourceS^-1*laid;
+laid = s - sourceNodalX;
+cout << "same " << laid.l2/s.l2 << " total " << abs(sourceTotalX - fx.sum) + abs(sourceTotalY - fy.sum) << " spent " << spent << endl;
+"""
+
+
+def test_the_source_of_many_particles_is_that_of_one_by_one_and_fast(freefem_text):
+    """A loop over the particles took more than the time allowed here."""
+    words = next(line for line in freefem_text(SOURCE).stdout.splitlines() if line.startswith("same ")).split()
+    assert float(words[1]) < 1e-12 and float(words[3]) < 1e-9 and float(words[5]) < 0.15

@@ -45,6 +45,9 @@ class ContactRun(RunFolder):
         if self._moves is not None:
             walls, rows = walls.copy(), self._moves
             last = {int(-1 - rows["wall"][k]): k for k in np.flatnonzero(rows["t"] <= t * (1 + 1e-12))}
+            later = max(last, default=-1) + 1 - len(walls)  # that came after the start
+            if later > 0:
+                walls = np.concatenate([walls, np.full((later, 2, 2), np.nan)])
             for wall, k in last.items():
                 walls[wall] = [[rows["x1"][k], rows["y1"][k]], [rows["x2"][k], rows["y2"][k]]]
         return walls
