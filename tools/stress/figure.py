@@ -61,10 +61,10 @@ def draw_map(one, grid, rows, out):
 
 def draw_all(maps, path):
     """All maps [(map, grid, rows)] on a page; returns the path."""
-    columns = 2
+    columns = 3
     weights = [max(len({y for _, y in grid}), 3) for _, grid, _ in maps]
     lines = [max(weights[k:k + columns]) for k in range(0, len(maps), columns)]
-    figure, panels = plt.subplots(len(lines), columns, figsize=(10.5, sum(0.85 + 0.17 * n for n in lines) + 0.7), squeeze=False,
+    figure, panels = plt.subplots(len(lines), columns, figsize=(14.5, sum(0.85 + 0.17 * n for n in lines) + 0.7), squeeze=False,
                                   layout="constrained", height_ratios=[0.85 + 0.17 * n for n in lines])
     for axes, (one, grid, rows) in zip(panels.ravel(), maps):
         draw_cells(axes, one, grid, rows, size=7, short=True)
