@@ -230,3 +230,23 @@ def test_an_inlet_without_an_outlet_is_refused(freefem_text, tmp_path):
     done = freefem_text(text, "-out", tmp_path / "run", check=False)
     assert done.returncode == 3 and "let in 0.666667 m2/s more than out" in done.stderr and len(done.stderr.strip().splitlines()) == 1
     assert not (tmp_path / "run").exists()
+
+
+def test_walls_that_the_mesh_does_not_have_are_none(freefem_text, tmp_path):
+    """Between planes of symmetry, with a label of walls that is not there: the drag of the walls has nothing to hold it."""
+    more = "macro boundaryU() 1. // EOM"
+    text = case("", walls="labelWall", moving="labelLeft", outlet="labelRight", slip="labelBottom, labelTop", more=more, gravity=0)
+    text = "int[int] sides = [13, 12, 14, 11];\n" + f'savemesh(square(8, 8, label = sides), "{tmp_path}/box.mesh");\n' + text
+    freefem_text(text, "-mesh", tmp_path / "box.mesh", "-tend", 0.1, "-every", 0, "-out", tmp_path / "run")
+    fluid = RunFolder(tmp_path / "run").fluid
+    assert (abs(fluid["flux_out"][6:] - 1) < 0.04).all()  # from the seventh step on: an outlet takes over at once
+
+
+def test_macros_of_the_boundary_may_be_sums(freefem_text, tmp_path):
+    """Plates that move against each other along themselves are no inlets, however their velocity is written; a force may be a sum too."""
+    more = "macro boundaryU() y - 0.5 // EOM\nmacro flowForceX() 1. - 1. // EOM"
+    text = case("bodyDisk(0.5, 0.5, 0.12, 1);", walls="labelLeft, labelRight", moving="labelBottom, labelTop", more=more, gravity=0)
+    text = "int[int] sides = [13, 12, 14, 11];\n" + f'savemesh(square(12, 12, label = sides), "{tmp_path}/box.mesh");\n' + text
+    freefem_text(text, "-mesh", tmp_path / "box.mesh", "-tend", 0.05, "-out", tmp_path / "run")
+    fluid = RunFolder(tmp_path / "run").fluid
+    assert (fluid["pressure_drop"] == 0).all() and (fluid["flux_in"] == 0).all()

@@ -132,3 +132,22 @@ def test_a_cylinder_that_nearly_fills_its_period_is_cut_where_it_is(place, freef
     freefem("cases/cylinder_array.edp", "-fraction", 0.75, "-x", place[0], "-y", place[1], "-out", tmp_path / "run")
     drag = RunFolder(tmp_path / "run").table("summary")
     assert drag["drag"][-1] == pytest.approx(drag["drag_by_balance"][-1], rel=1e-4) and drag["drag"][-1] > 4e4
+
+
+GRADED = """
+real[int] resolved = rigidResolved, first(bodyNumber), same(rigidCount);
+first = -1;
+for (int i = 0; i < rigidCount; ++i) if (first[rigidOwner[i]] < 0) first[rigidOwner[i]] = resolved[i];
+same = first(rigidOwner); same -= resolved;
+real[int] size = flowH(rigidNode);
+cout << "whole " << rigidCount << " " << same.linfty << " " << size.min << " " << size.max << " " << first.sum << endl;
+"""
+
+
+def test_a_body_is_resolved_as_a_whole_where_elements_differ(freefem_text):
+    """Disks of two elements across in a mesh whose elements are not of one size: node by node some were both at once."""
+    text = script([], False, GRADED).replace("rigidSetUp();", disks([(0.12 + 0.15 * k, 0.12 + 0.15 * j, 0.062) for k in range(6) for j in range(6)]) + "\nrigidSetUp();", 1)
+    text = text.replace("real flowPeriodX", "Th = movemesh(Th, [0.4*x + 0.6*x^2, y]);\nreal flowPeriodX", 1)
+    assert "movemesh" in text
+    count, differ, least, most, resolved = rows(freefem_text(text).stdout, "whole")[0]
+    assert count > 100 and most > 1.5 * least and differ == 0 and 5 < resolved < 31

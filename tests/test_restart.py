@@ -262,3 +262,15 @@ def test_a_checkpoint_of_another_mesh_replaces_nothing(freefem, coarse, tmp_path
         done = freefem(*words, 0.04, "-restart", tmp_path / "one", *more, check=False)
         assert done.returncode == 3 and "another mesh" in done.stderr
         assert all((tmp_path / name / "fluid.csv").read_bytes() == text for name, text in kept.items())
+
+
+def test_bodies_of_a_checkpoint_that_the_edited_case_no_longer_adds_go_on(tmp_path):
+    case = tmp_path / "mine.edp"
+    text = (ROOT / "cases/settling_disk.edp").read_text()
+    case.write_text(text)
+    run_freefem(case, "-dt", "0.005", "-checkpoint", "2", "-tend", "0.02", "-out", tmp_path / "run")
+    lines = [line for line in text.splitlines() if "caseParticles" in line]
+    case.write_text(text.replace(lines[0], "macro caseParticles() // EOM"))
+    on = run_freefem(case, "-dt", "0.005", "-checkpoint", "2", "-tend", "0.03", "-restart", tmp_path / "run", "-out", tmp_path / "on")
+    assert "has changed since the checkpoint" in on.stdout
+    assert np.genfromtxt(tmp_path / "on" / "particles.csv", delimiter=",", names=True)["id"][-1] == 0
