@@ -1,6 +1,7 @@
 """The figure of a refinement study: error over element size, time step and CPU time."""
 import math
 import re
+import textwrap
 
 import numpy as np
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
@@ -36,10 +37,10 @@ def plain(axis, values=None):
 
 
 def slopes(axes, sizes, top):
-    """Grey lines of order 1 and 2 through the largest error at the largest size."""
+    """Grey lines of order 1 and 2, a little above the largest error at the largest size, where no data lie on them."""
     h = np.array([min(sizes), max(sizes)])
     for order, dash in ((1, (0, (1, 1.5))), (2, (0, (4, 2)))):
-        axes.plot(h, top * (h / h[1]) ** order, color="#808080", linewidth=0.9, linestyle=dash, zorder=1,
+        axes.plot(h, 1.4 * top * (h / h[1]) ** order, color="#808080", linewidth=0.9, linestyle=dash, zorder=1,
                   label=f"order {order}")
 
 
@@ -53,7 +54,7 @@ def draw_study(study, records, quantity, reference, uncertainty):
     units = units_of(records)
     what = against(study, records, quantity)
     kind, of = ("difference", "the finest run") if what == "the finest run" else ("error", "the limit")
-    label = f"{kind} of {quantity.split(':')[0]}" + (" (%)" if reference else "")
+    label = "\n".join(textwrap.wrap(f"{kind} of {quantity.split(':')[0].replace('_', ' ')}" + (" (%)" if reference else ""), 30))
     axes_of = [(key, other, name) for key, other, name in (
         ("meshsize", "dt", f"element size ({units['length']})"), ("dt", "meshsize", f"time step ({units['time']})"))
         if len({r[key] for r in rows if r[key] is not None}) > 1]
@@ -66,7 +67,7 @@ def draw_study(study, records, quantity, reference, uncertainty):
             line = sorted((r[key], error[id(r)]) for r in rows if r[other] == fixed and r[key] is not None)
             word = {"dt": "time step", "meshsize": "element size"}[other]
             axes.plot(*zip(*line), marker=MARKERS[k % len(MARKERS)], markersize=5, **curve(k),
-                      label=f"{word} {fixed:.7g}" if fixed is not None else None)
+                      label=f"{word} {fixed:.7g} {units['time' if other == 'dt' else 'length']}" if fixed is not None else f"error over {name.split(' (')[0]}")
         slopes(axes, [r[key] for r in rows if r[key] is not None], max(error[id(r)] for r in rows))
         axes.set_xlabel(name)
     last = panels[-1]
@@ -75,10 +76,11 @@ def draw_study(study, records, quantity, reference, uncertainty):
         some = [r for r in timed if r["meshsize"] == size]
         last.plot([r["cpu_s"] for r in some], [error[id(r)] for r in some], linestyle="none",
                   marker=MARKERS[k % len(MARKERS)], markersize=6, color=curve(k)["color"],
-                  label=f"element size {size:.4g}" if size is not None else "runs")
+                  label=f"element size {size:.4g} {units['length']}" if size is not None else "runs")
     front = [timed[k] for k in pareto([r["cpu_s"] for r in timed], [error[id(r)] for r in timed])]
-    last.plot([r["cpu_s"] for r in front], [error[id(r)] for r in front], color="#808080", linewidth=1, zorder=1,
-              label="Pareto points")
+    if len(front) > 1:
+        last.plot([r["cpu_s"] for r in front], [error[id(r)] for r in front], color="#808080", linewidth=1, zorder=1,
+                  label="no cheaper run is better")
     last.set_xlabel("CPU time (s)")
     for axes in panels:
         axes.set_xscale("log")
