@@ -136,13 +136,21 @@ Qh p = 2*x - y;
 pressureCorrU = flowBX'*p[]; pressureCorrV = flowBY'*p[];
 timeDt = 1;
 pressureLag();
+real[int] du(flowNw), dv(flowNw), dq(3*bodyNumber), div(flowNq);
+pressureInertia();
+pressureAnswer(p[], 0., du, dv, dq, div);
+for (int d = 0; d < bodyNumber; ++d) cout << "start " << dq[d] << " " << dq[bodyNumber + d] << " " << dq[2*bodyNumber + d] << endl;
 for (int d = 0; d < bodyNumber; ++d) { int n = 0; for (int k = 0; k < rigidCount; ++k) if (rigidOwner[k] == d) n++; cout << "lag " << n << " " << bodyLag[d] << " " << bodyLag[bodyNumber + d] << " " << bodyLag[2*bodyNumber + d] << endl; }
 """).replace('include "lib/ghost.idp"', """int withGhost = 1;
 real stabilise = 0, momentumTolerance = 1e-5;
 include "lib/pressure.idp\"""").replace("square(16, 16, flags = 3)", f"movemesh(square(16, 16, flags = 3), {bend})")
-    lag = rows(freefem_text(text).stdout, "lag")
+    out = freefem_text(text).stdout
+    lag = rows(out, "lag")
     assert (lag[:-1, 0] == 1).all() and abs(lag[:-1, 1:]).max() < 1e-12
     np.testing.assert_allclose(lag[-1, 1:3], [2, -1], atol=1e-10)
+    start = rows(out, "start")  # of their density the fluid's, so without inertia of their own
+    assert abs(start[:-1]).max() < 1e-3
+    np.testing.assert_allclose(start[-1, :2], [-2, 1], rtol=1e-6)
 
 
 def test_the_mass_near_light_disks_is_that_of_the_whole_matrix(freefem_text):
