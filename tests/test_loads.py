@@ -1,0 +1,74 @@
+"""Forces on free bodies that a case says (caseLoads): against weight, exact motions, and what is refused."""
+import numpy as np
+import pytest
+
+from tests.test_boundaries import case
+from tests.test_given_motion import force
+from tools.run_folder import RunFolder
+
+
+def scene(bodies, loads, mu=0.05, gravity=0, **sides):
+    """The text of a case with loads; sides: labels, the four of the unit square by default."""
+    text = case(bodies, more=f"macro caseLoads(now) {loads} // EOM", **sides)
+    return text.replace("mu = 0.05", f"mu = {mu}").replace("gravityY = -1", f"gravityY = {gravity}")
+
+
+def test_a_load_of_the_weight_moves_a_disk_as_the_weight_does(freefem_text, tmp_path):
+    """Less the buoyancy; the fall is as far from zero as the gap to rounding is not."""
+    body, load = "bodyDisk(0.4, 0.6, 0.12, 2.5); bodyEllipse(0.7, 0.3, 0.1, 0.06, 0.4, 0.5);", []
+    for number, (area, excess) in enumerate(((np.pi * 0.12**2, 1.5), (np.pi * 0.1 * 0.06, -0.5))):
+        load.append(f"bodyPush({number}, 0, {float(-area * excess)!r}, 0);")
+    runs = []
+    for name, text in (("weight", scene(body, "", gravity=-1)), ("load", scene(body, " ".join(load)))):
+        freefem_text(text, "-dt", 0.01, "-cfl", 0, "-every", 0.05, "-tend", 0.3, "-out", tmp_path / name, "-forces", 1)
+        runs.append(RunFolder(tmp_path / name))
+    first, second = (run.particles for run in runs)
+    assert abs(first["v"]).max() > 0.02
+    for column in ("x", "y", "theta", "u", "v", "omega"):
+        np.testing.assert_allclose(second[column], first[column], atol=1e-9)
+    for column in ("fx", "fy", "torque"):
+        np.testing.assert_allclose(runs[1].table("forces")[column], runs[0].table("forces")[column], atol=1e-9)
+
+
+def test_a_disk_that_is_pushed_to_and_fro_moves_as_it_must(freefem_text, tmp_path):
+    """In a container, amplitude some hundredths of its radius: m dU/dt = load + fluid, the fluid's share exact (tests/test_given_motion.py)."""
+    steps, push, density = 60, 0.1, 2
+    text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(160)), "{tmp_path / "round.mesh"}");\n'
+    text += scene(f"bodyDisk(0.003, 0.007, 0.2, {density});", f"bodyPush(0, {push}*cos(2*pi*(now)), 0, 0);", mu=0.02, walls="labelWall")
+    freefem_text(text, "-mesh", tmp_path / "round.mesh", "-convection", 0, "-every", 0, "-dt", 1 / steps, "-cfl", 0, "-tend", 4, "-out", tmp_path / "run")
+    rows = RunFolder(tmp_path / "run").particles
+    last = rows["t"] > 3 + 0.5 / steps
+    assert last.sum() == steps
+    found = 2 * np.mean(rows["u"][last] * np.exp(-2j * np.pi * rows["t"][last]))
+    rate = 2 * np.pi
+    exact = push / (1j * rate * density * np.pi * 0.2**2 - force(0.2, 1, 1, 0.02, rate))
+    assert abs(found / exact - 1) < 0.03, found / exact
+
+
+def test_a_heavy_disk_on_a_spring_swings_with_its_own_period(freefem_text, tmp_path):
+    """A thousand times as dense as the fluid, which bears on the period by its added mass, 1e-3 of it, alone."""
+    mass = 1000 * np.pi * 0.1**2
+    text = scene("bodyAdd(0.45, 0.5, 0.1, 1000, 0, 0, 0, 1);", f"bodyPush(0, {float(mass * (2 * np.pi)**2)!r}*(0.5 - bodyX[0]), 0, 0);", mu=0.001)
+    freefem_text(text, "-dt", 0.01, "-cfl", 0, "-every", 0, "-tend", 2, "-out", tmp_path / "run")
+    rows = RunFolder(tmp_path / "run").particles
+    away, t = rows["x"] - 0.5, rows["t"]
+    assert abs(away).max() < 0.0505
+    crossing = np.flatnonzero(np.diff(np.sign(away)))
+    times = t[crossing] - away[crossing] * (t[crossing + 1] - t[crossing]) / (away[crossing + 1] - away[crossing])
+    assert len(times) == 4
+    assert np.diff(times).mean() == pytest.approx(0.5, rel=0.003)
+
+
+@pytest.mark.parametrize("bodies, loads, complaint", [
+    ("bodyHeld(bodyDisk(0.4, 0.6, 0.12, 2));", "bodyPush(0, 1, 0, 0);", "particle 0 is held"),
+    ("bodyDisk(0.4, 0.6, 0.12, 2);", "bodyPush(7, 1, 0, 0);", "caseLoads pushes particle 7, which there is not"),
+    ("bodyDisk(0.4, 0.6, 0.12, 2);", "bodyPush(0, 1e301, 0, sqrt(-1.));", "is no number"),
+])
+def test_what_loads_cannot_push_is_refused(freefem_text, tmp_path, bodies, loads, complaint):
+    done = freefem_text(scene(bodies, loads), "-tend", 0.1, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and complaint in done.stderr
+
+
+def test_the_published_scheme_refuses_loads(freefem_text, tmp_path):
+    done = freefem_text(scene("bodyDisk(0.4, 0.6, 0.12, 2);", "bodyPush(0, 1, 0, 0);"), "-scheme", "published", "-tend", 0.1, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "caseLoads" in done.stderr and not (tmp_path / "run").exists()
