@@ -107,3 +107,15 @@ def test_each_side_of_a_box_at_rest_bears_its_own_pressure(slip, freefem_text, t
     assert set(rows["label"]) == {sides[name] for name in walls}
     for label, fx, fy in zip(rows["label"], rows["fx"], rows["fy"]):
         assert (fx, fy) == pytest.approx(exact[int(label)], abs=1e-9)
+
+
+def test_a_side_bears_the_whole_stress_where_its_velocity_varies(freefem_text, tmp_path):
+    """A uniform shear u = y given all round: the sides that let it in and out bear mu along y, too."""
+    sides = "labelLeft, labelRight, labelBottom, labelTop"
+    text = case("", walls="", moving=sides, more="macro boundaryU() y // EOM\nmacro caseStart() { Wh shear = y; flowU = shear[]; } // EOM", mu=0.1, gravity=0)
+    freefem_text(text, "-wallforces", 1, "-convection", 0, "-dt", 0.05, "-tend", 0.1, "-every", 0.1, "-tolerance", 1e-10, "-out", tmp_path / "run")
+    rows = read_table(tmp_path / "run" / "wallforces.csv")
+    exact = {11: (0, 0.1), 12: (0, -0.1), 13: (0.1, 0), 14: (-0.1, 0)}
+    assert set(rows["label"]) == set(exact)
+    for label, fx, fy in zip(rows["label"], rows["fx"], rows["fy"]):
+        assert (fx, fy) == pytest.approx(exact[int(label)], abs=1e-9)
