@@ -175,7 +175,8 @@ def plot_chains(run, path):
     frame = run.frame(nearest(run, [t])[0])
     place = {int(name): k for k, name in enumerate(frame["id"])}
     i = np.array([place[int(a)] for a in contacts["i"][now]])
-    j, step = contacts["j"][now].astype(int), float(run.info.get("parameters", {}).get("-dt", 1.0))
+    motion = read_table(run.folder / "motion.csv")
+    j, step = contacts["j"][now].astype(int), motion["t"][-1] / max(motion["step"][-1], 1)  # -dt is shortened to a whole part of -tend
     force = contacts["impulse"][now] / step
     a = np.column_stack([frame["x"], frame["y"]])[i]
     normal = np.column_stack([contacts["nx"][now], contacts["ny"][now]])
@@ -186,7 +187,7 @@ def plot_chains(run, path):
     y0 = run.view[2]
     y1 = (frame["y"] + frame["radius"]).max() + 0.02 * (x1 - x0)
     scale = min(5.4 / (x1 - x0), 7.0 / (y1 - y0))
-    figure, axes = plt.subplots(figsize=((x1 - x0) * scale + 1.6, (y1 - y0) * scale + 1.1), layout="constrained")
+    figure, axes = plt.subplots(figsize=((x1 - x0) * scale + 1.6, max((y1 - y0) * scale + 1.1, 3.4)), layout="constrained")
     draw(axes, run, frame)
     axes.set_ylim(y0, y1)
     thick = 4.0 if len(force) < 1000 else 1.6
@@ -274,6 +275,9 @@ def main(words=None):
     run = ContactRun(given.run)
     if not run.has("motion"):
         raise BadInput(f"{given.run} is no run of contacts alone (it has no motion.csv); python -m tools.plot draws the others")
+    for t in given.times or []:
+        if not run.times[0] - 1e-9 <= t <= run.times[-1] * (1 + 1e-9):
+            raise BadInput(f"--times: {t:g} is not between {run.times[0]:g} and {run.times[-1]:g} s, the end of the run")
     run.warn_unfinished()
     out = Path(given.out or given.run)
     out.mkdir(parents=True, exist_ok=True)
