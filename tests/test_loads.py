@@ -72,3 +72,32 @@ def test_what_loads_cannot_push_is_refused(freefem_text, tmp_path, bodies, loads
 def test_the_published_scheme_refuses_loads(freefem_text, tmp_path):
     done = freefem_text(scene("bodyDisk(0.4, 0.6, 0.12, 2);", "bodyPush(0, 1, 0, 0);"), "-scheme", "published", "-tend", 0.1, "-out", tmp_path / "run", check=False)
     assert done.returncode == 3 and "caseLoads" in done.stderr and not (tmp_path / "run").exists()
+
+
+def test_an_ellipse_on_a_pin_turns_as_one_that_is_free(freefem_text, tmp_path):
+    """Where a free one keeps its place, in the middle between plates that move apart; the pin bears no force then."""
+    turn, forces = [], []
+    for name, body in (("free", "bodyEllipse(0.5, 0.5, 0.16, 0.1, 0.3, 1);"), ("pinned", "bodyPinned(bodyEllipse(0.5, 0.5, 0.16, 0.1, 0.3, 1));")):
+        text = case(body, walls="labelLeft, labelRight", moving="labelBottom, labelTop", more="macro boundaryU() (2*y - 1) // EOM")
+        text = text.replace("gravityY = -1", "gravityY = 0")
+        freefem_text(text, "-dt", 0.02, "-every", 0, "-tend", 0.8, "-forces", 1, "-out", tmp_path / name)
+        run = RunFolder(tmp_path / name)
+        turn.append(run.particles)
+        forces.append(run.table("forces"))
+    free, pinned = turn
+    assert abs(pinned["x"] - 0.5).max() == 0 and abs(pinned["u"]).max() == 0 and abs(pinned["v"]).max() == 0
+    assert abs(free["theta"][-1] - 0.3) > 0.1
+    np.testing.assert_allclose(pinned["theta"], free["theta"], atol=0.01 * abs(free["theta"][-1] - 0.3))
+    first, second = (table["torque"][5:] for table in forces)  # behind the start
+    assert abs(second - first).max() < 0.1 * abs(first).max()
+
+
+def test_a_motor_turns_a_disk_on_a_pin(freefem_text, tmp_path):
+    """In a drum, concentric: torque 4 pi mu omega/(1/r^2 - 1/R^2) once the spin is steady; the centre bears no force."""
+    radius, mu, torque = 0.4, 0.5, 0.3
+    text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(120)), "{tmp_path / "round.mesh"}");\n'
+    text += scene(f"bodyPinned(bodyDisk(0, 0, {radius}, 2));", f"bodyPush(0, 5, 0, {torque});", mu=mu, walls="labelWall")
+    freefem_text(text, "-mesh", tmp_path / "round.mesh", "-dt", 0.02, "-every", 0, "-tend", 3, "-out", tmp_path / "run")
+    rows = RunFolder(tmp_path / "run").particles
+    assert abs(rows["x"]).max() == 0 and abs(rows["y"]).max() == 0
+    assert rows["omega"][-1] == pytest.approx(torque * (1 / radius**2 - 1) / (4 * np.pi * mu), rel=0.01)
