@@ -110,6 +110,32 @@ include "lib/pressure.idp\"""")
     assert (change[(far * np.array([[0.127], [0.11]]) > np.array([[0.127], [0.11]]) + 1.5 / 16).all(axis=0)] == 0).all()
 
 
+@pytest.mark.parametrize("share", [0, 1])
+def test_in_slow_flow_the_pressure_of_a_disk_goes_with_it_and_that_of_the_flow_stays(share, freefem_text):
+    """p = 2 x - y, linear, stays; on it a bump round a disk, exp(-(r/R)^2), goes along with the disk."""
+    disks, moved = [(0.3, 0.4, 0.127), (0.7, 0.65, 0.11)], [(0.01, -0.004), (-0.006, 0.003)]
+    look = "flowP = p[]; windowCarry(); for (int k = 0; k < flowNq; ++k) cout << NAME << px[][k] << \" \" << py[][k] << \" \" << flowP[k] - p[][k] << endl;"
+    text = script(disks, more=f"""
+bodyMoved = [{moved[0][0]}, {moved[1][0]}, {moved[0][1]}, {moved[1][1]}, 0.3, -0.2];
+pressureSetUp(1);
+timeDt = 1e-6; // viscosity reaches less than an element
+rowsShare = {share};
+Qh px = x, py = y, p = 2*x - y;
+{look.replace("NAME", '"linear "')}
+p = 2*x - y + exp(-((x - 0.7)^2 + (y - 0.65)^2)/0.11^2);
+{look.replace("NAME", '"bump "')}
+""").replace('include "lib/ghost.idp"', """int withGhost = 1;
+real stabilise = 0, momentumTolerance = 1e-5;
+include "lib/pressure.idp\"""")
+    out = freefem_text(text).stdout
+    assert abs(rows(out, "linear")[:, 2]).max() < 1e-12
+    x, y, change = rows(out, "bump").T
+    x, y = x - 0.7, y - 0.65
+    wanted = np.exp(-((x + 0.006) ** 2 + (y - 0.003) ** 2) / 0.11**2) - np.exp(-(x**2 + y**2) / 0.11**2)
+    near = np.hypot(x, y) < 0.18
+    assert abs(change - wanted)[near].max() < 0.25 * abs(wanted).max()  # 3.5 elements across
+
+
 def test_the_gradient_in_the_advecting_velocity_is_that_of_a_linear_field(freefem_text):
     """At the middles of the edges inside the mesh: - dx, - dy of 2 x - y; its mean over a triangle is theirs."""
     text = script([(0.3, 0.4, 0.127)], more="""
