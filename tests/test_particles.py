@@ -199,9 +199,42 @@ include "lib/pressure.idp\"""")
     fluid = np.pi * np.array([0.127, 0.11])**2
     # (s - (2 k - 1 + s) + 1.25 - s) m_f = (2.05 - 2 k) m_f for s = 0.2, 1/2 < k < 1 the share of the displaced fluid that the nodes carry
     assert ((net[:2, 0] / fluid > 0.05) & (net[:2, 0] / fluid < 1.05)).all()
-    # disks have no virtual moment: with what the nodes carry at most s and at least momentumTurnLeast of the fluid's
+    # disks have no virtual moment: with what the nodes carry at most s and at least a tenth of the fluid's (momentumTurn)
     turning = (net[:2, 1] + rows(out, "carried")[:, 0]) / (fluid * np.array([0.127, 0.11])**2 / 2)
     assert ((turning > 0.1 - 1e-9) & (turning < 0.21)).all()
+
+
+def test_neutral_bodies_of_next_to_no_nodes_have_inertia(freefem_text):
+    """Their own, or with their nodes half the fluid's mass and at least a tenth of its moment; resolved ones are the fluid's but for the virtual mass."""
+    tiny = [(a, b, 0.02) for a, b in ((0.5, 0.53125), (0.5, 0.5), (0.22, 0.31), (0.703125, 0.234375))]  # a middle of an edge, a vertex, one node, none
+    disks = [*tiny, (-0.08, 0.8, 0.127), (0.3, 0.75, 0.127)]
+    text = script(disks, more="""
+momentumInertia();
+real[int] nodes(bodyNumber), turn(bodyNumber);
+momentumUnit(flowM, rigidNode, 0, nodes); momentumUnit(flowM, rigidNode, 2, turn);
+for (int d = 0; d < bodyNumber; ++d) cout << "inertia " << momentumMass[d] << " " << momentumMoment[d] << " " << nodes[d] << " " << turn[d] << endl;
+""").replace('include "lib/ghost.idp"', """int withGhost = 1;
+real stabilise = 0, momentumTolerance = 1e-5;
+include "lib/pressure.idp\"""")
+    mass, moment, nodes, turn = rows(freefem_text(text).stdout, "inertia").T
+    area = np.pi * np.array(disks)[:, 2]**2
+    arm = np.array(disks)[:, 2]**2 / 2
+    assert nodes[3] == 0 and (nodes[:3] > 0).all() and nodes[4] < 0.3 * area[4]
+    both, turning = (mass + nodes) / area - 0.25, (moment + turn) / area / arm
+    assert (both[:5] > 0.5 - 1e-9).all() and (turning[:5] > 0.1 - 1e-9).all()
+    assert both[3] == pytest.approx(1) and turning[3] > 1
+    assert mass[5] == pytest.approx(0.25 * area[5], rel=1e-12) and moment[5] == 0
+
+
+@pytest.mark.parametrize("radius, density, mu, dt", [(0.011, 1, 0.01, 0.005), (0.04, 0.1, 0.005, 0.002)])
+def test_small_neutral_and_light_disks_turn_with_the_fluid(radius, density, mu, dt, freefem_text, tmp_path):
+    """Half an element across, which hold a node now and then, and two across (with a least moment of a tenth the solver stopped; 2.6 instead of 1)."""
+    text = case(" ".join(f"bodyDisk({x}, {y}, {radius}, {density});" for x, y in ((0.13, 0.21), (0.31, 0.36), (0.42, 0.62), (0.22, 0.77), (0.61, 0.44))), walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight",
+                more="macro boundaryU() (4*y*(1 - y)) // EOM", mu=mu, gravity=0)
+    freefem_text(text, "-dt", dt, "-cfl", 0, "-tend", 80 * dt, "-every", 0, "-out", tmp_path / "run")
+    disks = RunFolder(tmp_path / "run").particles
+    assert np.hypot(disks["u"], disks["v"]).max() < 1.5
+    assert np.abs(disks["omega"]).max() * radius < 0.5
 
 
 def test_the_fall_hardly_depends_on_the_time_step(freefem, tmp_path):
