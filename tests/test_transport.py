@@ -12,6 +12,7 @@ from tools import validate_transport
 from tools.command import BadInput
 from tools.run_folder import RunFolder
 from tools.tables import read_table
+from tools.transport_table import main as transport_table
 from tools.transport_table import table_of
 from tools.validation import Context
 
@@ -363,3 +364,8 @@ def test_the_drag_of_a_hundred_thousand_spheres_is_found(freefem, run_folder):
     freefem("tests/transport/bench.edp", "-number", 100000, "-tend", 0.008, "-every", 0.008, "-out", run_folder)
     table = read_table(run_folder / "particles.csv")
     assert len(table["u"]) == 200000 and np.isfinite(table["u"]).all()
+
+
+def test_a_run_counts_once_in_the_table(tmp_path):
+    with pytest.raises(BadInput, match="given twice"):
+        transport_table(["--runs", "results/a", str(tmp_path), "results/../results/a"])

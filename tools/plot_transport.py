@@ -35,7 +35,7 @@ def plot_transport(run, path, times=None):
     flow = read_field(field) if field.is_file() else None
     times = chosen_times(run) if times is None else times
     figure, axes, bar = panels(len(times), run.extent)
-    drawn = None
+    drawn, tiny = None, False
     top, extend = speed_top([speed_of(flow[1])]) if flow else (1, "neither")
     for one, t in zip(axes, times):
         if flow:
@@ -43,6 +43,10 @@ def plot_transport(run, path, times=None):
         draw_outline(one, run.mesh, run.open)
         inside = run.particles_at(t)
         particle_artists(one, inside, clip=run.clip, spokes=bool(np.any(run.particles["theta"])))
+        dots = inside[:, inside[4] < 0.002 * run.extent[2]]
+        if dots.size:  # too small to be seen to scale
+            tiny = True
+            one.plot(dots[1], dots[2], ".", markersize=3, color="black", zorder=6)
         frame(one, run.extent, run.units["length"])
         one.set_title(f"{time_text(t, last=max(times))}: {inside.shape[1]} inside", pad=3)
     if drawn is None:
@@ -50,7 +54,7 @@ def plot_transport(run, path, times=None):
     else:
         figure.colorbar(drawn, cax=bar, extend=extend).set_label("speed of the flow (m/s)")
     inches = figure.get_size_inches()
-    figure.text(0.5, 1 - 0.1 / inches[1], f"{run.title}: steady flow and particles", ha="center", va="top", fontsize=10)
+    figure.text(0.5, 1 - 0.1 / inches[1], f"{run.title}: steady flow and particles" + (" (dots: larger than they are)" if tiny else ""), ha="center", va="top", fontsize=10)
     return save(figure, path)
 
 

@@ -157,6 +157,10 @@ def main(words=None):
         raise BadInput("--seeds and --jobs must be at least 1")
     if len(rest) % 2 or any(not name.startswith("-") for name in rest[::2]):
         raise BadInput(f"options of the case come in pairs, -name value; not {' '.join(rest)}")
+    places = [Path(run).resolve() for run in given.runs or ()]
+    again = [str(run) for k, run in enumerate(given.runs or ()) if places[k] in places[:k]]
+    if again:
+        raise BadInput(f"{again[0]} is given twice: each run counts once in mean and deviation")
     out = Path(given.out).resolve()
     os.makedirs(out, exist_ok=True)
     folders = given.runs or compute(given.seeds, out, dict(zip(rest[::2], rest[1::2])), given.jobs)
