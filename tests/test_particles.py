@@ -247,13 +247,15 @@ def test_the_fall_hardly_depends_on_the_time_step(freefem, tmp_path):
 
 
 def test_a_large_step_is_taken_smaller_by_itself(freefem, tmp_path):
-    """-cfl 1.5 is the default, kept within the fifth by which a step may grow and what the flow gains in it."""
+    """-cfl 1.5 is the default, kept within the fifth by which a step may grow, and but for what the flow gains in a step."""
     freefem("cases/settling_disk.edp", "-rhos", "1.5", "-mu", "0.01", "-dt", "0.02", "-tend", "0.25", "-out", tmp_path / "run")
     fluid = read_table(tmp_path / "run" / "fluid.csv")
     crossed = fluid["top_speed"] * fluid["dt"] / (0.25 / 4)  # elements are no smaller than 0.0625 cm
     assert fluid["dt"].min() < 0.01
     late = crossed[len(crossed) // 2:]
-    assert np.median(late) < 1.6 and late.max() < 2.2
+    assert np.median(late) < 1.6 and late.max() < 2.5
+    chosen = fluid["top_speed"][:-1] * fluid["dt"][1:] / (0.25 / 4)  # by the speed that was known
+    assert chosen[1:].max() < 1.6
     assert np.isfinite(fluid["kinetic_energy"]).all()
 
 
