@@ -54,6 +54,17 @@ def test_a_large_cylinder_can_be_moved_for_long(freefem_text, tmp_path):
     assert x.min() > 0.4 - 0.02 * amplitude and x.max() == pytest.approx(0.4 + 2 * amplitude, abs=0.02 * amplitude)  # the first step, of Euler, is off by 0.012
 
 
+def test_a_held_body_keeps_its_velocity_when_the_case_stops_moving_it(freefem_text, tmp_path):
+    """Sped up and turned for a fifth of a second, with the last velocities from then on."""
+    text = scene("bodyAdd(0.4, 0.5, 0.16, 1, 0, 0, 0, 0);", "if (now < 0.2001) givenMotion(0, now, -2*(now), 10*(now));")
+    freefem_text(text, "-dt", 0.02, "-cfl", 0, "-every", 0, "-tend", 0.4, "-out", tmp_path / "run")
+    rows = RunFolder(tmp_path / "run").particles
+    behind = rows["t"] > 0.19
+    assert behind.sum() == 11
+    for name, last in (("u", 0.2), ("v", -0.4), ("omega", 2)):
+        assert rows[name][behind] == pytest.approx(last, abs=1e-12), name
+
+
 @pytest.mark.parametrize("bodies, steps, overlap", [
     ("bodyAdd(0.3, 0.5, 0.1, 1, 0, 0, 0, 0); bodyAdd(0.53, 0.5, 0.1, 1, 0, 0, 0, 0);", 5, 0.03),
     ("bodyAdd(0.85, 0.5, 0.1, 1, 0, 0, 0, 0);", 6, 0.02),
