@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from conftest import FREEFEM, ROOT, run_freefem
+from tests.test_boundaries import case
 
 CASE = "cases/pipe_obstacles.edp"
 SCENE = ["-number", "12", "-first", "0", "-interval", "0.01", "-ramp", "0.05", "-every", "0"]
@@ -274,3 +275,13 @@ def test_bodies_of_a_checkpoint_that_the_edited_case_no_longer_adds_go_on(tmp_pa
     on = run_freefem(case, "-dt", "0.005", "-checkpoint", "2", "-tend", "0.03", "-restart", tmp_path / "run", "-out", tmp_path / "on")
     assert "has changed since the checkpoint" in on.stdout
     assert np.genfromtxt(tmp_path / "on" / "particles.csv", delimiter=",", names=True)["id"][-1] == 0
+
+
+def test_forces_that_a_case_reads_outlive_a_restart(tmp_path):
+    """caseMotion takes its velocities of bodyForce, the force of the last step."""
+    text = case("bodyHeld(bodyDisk(0.4, 0.5, 0.15, 1)); bodyDisk(0.7, 0.7, 0.12, 3);", more="macro caseMotion(now) givenMotion(0, 0.02*bodyForce[0], 0.02*bodyForce[2], 0.); // EOM")
+    (tmp_path / "scene.edp").write_text(text)
+    whole, broken = broken_off([tmp_path / "scene.edp", "-every", "0", "-tend", "0.1", "-forces", "1", "-checkpoint", "4"], tmp_path, 8)
+    assert abs(numbers(whole, "forces.csv")["fx"]).max() > 1e-4
+    for name in ("particles.csv", "forces.csv"):
+        assert (broken / name).read_bytes() == (whole / name).read_bytes(), name
