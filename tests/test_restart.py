@@ -12,6 +12,7 @@ import pytest
 
 from conftest import FREEFEM, ROOT, run_freefem
 from tests.test_boundaries import case
+from tests.test_given_motion import HELD
 
 CASE = "cases/pipe_obstacles.edp"
 SCENE = ["-number", "12", "-first", "0", "-interval", "0.01", "-ramp", "0.05", "-every", "0"]
@@ -285,3 +286,40 @@ def test_forces_that_a_case_reads_outlive_a_restart(tmp_path):
     assert abs(numbers(whole, "forces.csv")["fx"]).max() > 1e-4
     for name in ("particles.csv", "forces.csv"):
         assert (broken / name).read_bytes() == (whole / name).read_bytes(), name
+
+
+SWINGING = """macro flowForceX() 1. // EOM
+macro caseStart() { caseFX.resize(flowFX.n); caseFX = flowFX; } // EOM
+macro caseStep() flowFX = cos(20*(timeNow + timeDt))*caseFX; // EOM
+real[int] caseFX(0);
+"""
+
+
+@pytest.mark.parametrize("driver", ["resolved", "flow"])
+def test_a_force_on_the_fluid_that_a_case_changes_outlives_a_restart(driver, tmp_path):
+    """caseStep has scaled it for the next step when the checkpoint is written."""
+    text = HELD.replace("macro flowForceX() 1. // EOM\n", SWINGING).replace("0, 0, 0, 0)", "0, 0, 0, 1)")
+    if driver == "flow":
+        lines = [line for line in text.splitlines() if "caseParticles" not in line]
+        text = "\n".join(lines).replace("lib/bodies.idp", "lib/options.idp").replace(", gravityX = 0, gravityY = 0", "").replace(", motionBound = 1e30", "").replace("resolved.edp", "flow.edp") + "\n"
+    (tmp_path / "scene.edp").write_text(text)
+    whole, broken = broken_off([tmp_path / "scene.edp", "-dt", "0.02", "-every", "0", "-tend", "0.2", "-checkpoint", "4"], tmp_path, 8)
+    got, expected = numbers(broken, "fluid.csv"), numbers(whole, "fluid.csv")
+    assert np.ptp(expected["kinetic_energy"]) > 0
+    for column in expected:
+        np.testing.assert_array_equal(got[column], expected[column], err_msg=column)
+    if driver == "resolved":
+        assert (broken / "particles.csv").read_bytes() == (whole / "particles.csv").read_bytes()
+
+
+def test_a_force_on_the_fluid_that_was_edited_counts_after_a_restart(tmp_path):
+    """It stands in checkpoints only where the case has changed it in the run."""
+    case, speeds = tmp_path / "scene.edp", []
+    case.write_text(HELD)
+    words = ["-dt", "0.02", "-every", "0", "-checkpoint", "4"]
+    run_freefem(case, *words, "-tend", "0.1", "-out", tmp_path / "run")
+    for push in (1, -5):
+        case.write_text(HELD.replace("flowForceX() 1.", f"flowForceX() {push}."))
+        run_freefem(case, *words, "-tend", "0.2", "-restart", tmp_path / "run", "-out", tmp_path / f"on{push}")
+        speeds.append(numbers(tmp_path / f"on{push}", "fluid.csv")["top_speed"][-1])
+    assert abs(speeds[0] - speeds[1]) > 0.1 * speeds[0]
