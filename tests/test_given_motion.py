@@ -79,6 +79,16 @@ def test_held_bodies_moved_into_each_other_or_a_wall_are_warned_of(bodies, steps
     assert RunFolder(tmp_path / "run").fluid["worst_gap"].min() == pytest.approx(-overlap, abs=1e-9)
 
 
+@pytest.mark.parametrize("bodies, complaint", [
+    ("bodyAdd(0.6, 0.15, 0.1, 1, 0, 0, 0, 0); bodyDisk(0.85, 0.11, 0.1, 1);", "contacts of 2 disks"),
+    ("bodyHeld(bodyEllipse(0.6, 0.15, 0.1, 0.07, pi/2, 1)); bodyEllipse(0.85, 0.08, 0.1, 0.07, 0, 1);", "linearisations"),
+])
+def test_a_body_that_is_squeezed_against_a_wall_ends_the_run_with_the_reason(bodies, complaint, freefem_text, tmp_path):
+    done = freefem_text(scene(bodies, "givenMotion(0, 1, 0, 0);"), "-dt", 0.01, "-cfl", 0, "-contact-maxit", 5000, "-every", 0, "-tend", 0.4, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 4 and len(done.stderr.strip().splitlines()) == 1
+    assert complaint in done.stderr and "leaves a body no room" in done.stderr
+
+
 def test_a_held_ellipse_in_a_wall_leaves_the_contacts_of_others_alone(freefem_text, tmp_path):
     """A disk rests on the floor while the ellipse is moved into the right wall; nothing that cannot move presses."""
     text = scene("bodyHeld(bodyEllipse(0.84, 0.7, 0.1, 0.06, 0, 1)); bodyDisk(0.3, 0.1001, 0.1, 20);", "givenMotion(0, 0.5, 0, 0);").replace("gravityY = 0", "gravityY = -1")
