@@ -69,6 +69,31 @@ def test_what_loads_cannot_push_is_refused(freefem_text, tmp_path, bodies, loads
     assert done.returncode == 3 and complaint in done.stderr
 
 
+STREAM = dict(walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight")
+
+
+def test_a_body_that_is_still_to_come_is_pushed_from_its_entry_on(freefem_text, tmp_path):
+    """Of the two that wait the second enters first and is particle 1; it is pushed up."""
+    text = scene("bodyDisk(0.7, 0.3, 0.1, 2); queueAdd(0.75, 0.1, 2, 9); queueAdd(0.25, 0.1, 2, 0.05);", "bodyPush(1, 0, 1, 0); bodyPush(2, 0, 1, 0);", **STREAM)
+    text = text.replace("int[int] flowNoSlip", "macro boundaryU() (4*y*(1 - y)) // EOM\nint[int] flowNoSlip")
+    freefem_text(text, "-tend", 0.2, "-every", 0, "-out", tmp_path / "run")
+    rows = RunFolder(tmp_path / "run").particles
+    late = rows["id"] == 1
+    assert set(rows["id"]) == {0, 1} and 0.03 < rows["t"][late][0] < 0.08
+    assert rows["v"][late][-1] > 0.2 and abs(rows["v"][~late]).max() < 0.1
+
+
+@pytest.mark.parametrize("more, complaint", [
+    ("macro caseLoads(now) bodyPush(2, 0, 1, 0); // EOM", "caseLoads pushes particle 2, which there is not"),
+    ("macro caseMotion(now) givenMotion(1, 0, 1, 0); // EOM", "particle 1 is still to come and will move freely"),
+    ("macro caseMotion(now) givenMotion(2, 0, 1, 0); // EOM", "caseMotion moves particle 2, which there is not"),
+])
+def test_a_body_that_never_comes_or_moves_freely_then_is_refused(more, complaint, freefem_text, tmp_path):
+    text = case("bodyDisk(0.7, 0.3, 0.1, 2); queueAdd(0.5, 0.1, 2, 9);", more=f"macro boundaryU() (4*y*(1 - y)) // EOM\n{more}", **STREAM)
+    done = freefem_text(text, "-tend", 0.1, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and complaint in done.stderr and len(done.stderr.strip().splitlines()) == 1
+
+
 def test_the_published_scheme_refuses_loads(freefem_text, tmp_path):
     done = freefem_text(scene("bodyDisk(0.4, 0.6, 0.12, 2);", "bodyPush(0, 1, 0, 0);"), "-scheme", "published", "-tend", 0.1, "-out", tmp_path / "run", check=False)
     assert done.returncode == 3 and "caseLoads" in done.stderr and not (tmp_path / "run").exists()
