@@ -312,6 +312,19 @@ def test_a_force_on_the_fluid_that_a_case_changes_outlives_a_restart(driver, tmp
         assert (broken / "particles.csv").read_bytes() == (whole / "particles.csv").read_bytes()
 
 
+def test_loads_outlive_a_restart_where_bodies_come_and_go(tmp_path):
+    """One of two has left before it, and another, pushed as well, enters behind it."""
+    bodies = "bodyAdd(0.99, 0.3, 0.1, 2, 1.5, 0, 0, 1); bodyDisk(0.5, 0.3, 0.1, 2); queueAdd(0.25, 0.1, 2, 0.15);"
+    pushes = "bodyPush(0, 1, 0, 0); bodyPush(1, 0, 1, 0); bodyPush(2, 0, 1, 0.01);"
+    text = case(bodies, more=f"macro boundaryU() (4*y*(1 - y)) // EOM\nmacro caseLoads(now) {pushes} // EOM", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight")
+    (tmp_path / "scene.edp").write_text(text)
+    whole, broken = broken_off([tmp_path / "scene.edp", "-every", "0", "-cfl", "0", "-tend", "0.2", "-forces", "1", "-checkpoint", "5"], tmp_path, 15)
+    table = numbers(whole, "particles.csv")
+    assert [set(table["id"][abs(table["t"] - t) < 1e-9]) for t in (0.01, 0.15, 0.2)] == [{0, 1}, {1}, {1, 2}]
+    for name in ("particles.csv", "forces.csv"):
+        assert (broken / name).read_bytes() == (whole / name).read_bytes(), name
+
+
 def test_a_force_on_the_fluid_that_was_edited_counts_after_a_restart(tmp_path):
     """It stands in checkpoints only where the case has changed it in the run."""
     case, speeds = tmp_path / "scene.edp", []
