@@ -48,7 +48,7 @@ def test_a_disk_that_is_pushed_to_and_fro_moves_as_it_must(freefem_text, tmp_pat
 def test_a_heavy_disk_on_a_spring_swings_with_its_own_period(freefem_text, tmp_path):
     """A thousand times as dense as the fluid, which bears on the period by its added mass, 1e-3 of it, alone."""
     mass = 1000 * np.pi * 0.1**2
-    text = scene("bodyAdd(0.45, 0.5, 0.1, 1000, 0, 0, 0, 1);", f"bodyPush(0, {float(mass * (2 * np.pi)**2)!r}*(0.5 - bodyX[0]), 0, 0);", mu=0.001)
+    text = scene("bodyAdd(0.45, 0.5, 0.1, 1000, 0, 0, 0, 1);", f"bodyPush(0, {float(mass * (2 * np.pi)**2)!r}*(0.5 - bodyAtX(0)), 0, 0);", mu=0.001)
     freefem_text(text, "-dt", 0.01, "-cfl", 0, "-every", 0, "-tend", 2, "-out", tmp_path / "run")
     rows = RunFolder(tmp_path / "run").particles
     away, t = rows["x"] - 0.5, rows["t"]
@@ -59,7 +59,22 @@ def test_a_heavy_disk_on_a_spring_swings_with_its_own_period(freefem_text, tmp_p
     assert np.diff(times).mean() == pytest.approx(0.5, rel=0.003)
 
 
+def test_a_spring_goes_on_when_another_particle_has_left(freefem_text, tmp_path):
+    """Particle 0 leaves; 1 swings on about x = 0.4, damped by nothing but the fluid, a thousandth of its density."""
+    rate = 4 * np.pi
+    stiff = float(1000 * np.pi * 0.1**2 * rate**2)
+    text = scene("bodyAdd(0.5, 0.8, 0.1, 1000, 3, 0, 0, 1); bodyDisk(0.3, 0.3, 0.1, 1000);",
+                 f"bodyPush(0, 1e-6*(bodyAtY(0) + bodyAtTheta(0) + bodyAtU(0) + bodyAtV(0) + bodyAtOmega(0)), 0, 0); bodyPush(1, {stiff!r}*(0.4 - bodyAtX(1)), 0, 0);", mu=0.001)
+    freefem_text(text.replace("motionBound = 1e30", "motionBound = 0.6"), "-dt", 0.005, "-cfl", 0, "-every", 0, "-tend", 0.5, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    assert run.tracks[0]["t"][-1] < 0.1 and run.tracks[1]["t"][-1] == 0.5
+    np.testing.assert_allclose(run.tracks[1]["x"], 0.4 - 0.1 * np.cos(rate * run.tracks[1]["t"]), atol=0.006)
+
+
 @pytest.mark.parametrize("bodies, loads, complaint", [
+    ("bodyDisk(0.4, 0.6, 0.12, 2);", "bodyPush(0, bodyAtV(3), 0, 0);", "caseLoads asks for particle 3, which there is not"),
+    ("bodyHeld(77);", "bodyPush(0, 1, 0, 0);", "bodyHeld(77): there is no such particle"),
+    ("bodyDisk(0.4, 0.6, 0.12, 2); bodyPinned(77);", "bodyPush(0, 1, 0, 0);", "bodyPinned(77): there is no such particle"),
     ("bodyHeld(bodyDisk(0.4, 0.6, 0.12, 2));", "bodyPush(0, 1, 0, 0);", "particle 0 is held"),
     ("bodyDisk(0.4, 0.6, 0.12, 2);", "bodyPush(7, 1, 0, 0);", "caseLoads pushes particle 7, which there is not"),
     ("bodyDisk(0.4, 0.6, 0.12, 2);", "bodyPush(0, 1e301, 0, sqrt(-1.));", "is no number"),
