@@ -4,6 +4,7 @@ import math
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from tests.conftest import run_freefem
@@ -405,6 +406,19 @@ def test_the_pictures_are_drawn(freefem, run_folder, coarse_pipe):
     for name in ("streamlines", "speed", "pressure", "walls"):
         assert (run_folder / f"{name}.png").stat().st_size > 5000
     assert not (run_folder / "k.png").exists()
+
+
+def test_a_tall_narrow_flow_is_drawn(freefem, run_folder, monkeypatch):
+    """A strip 27 times as high as long: as many lines as the page holds, on a page of that shape."""
+    from tools import plot_steady
+    from tools.plotting import plt
+    run(freefem, run_folder, "turbulent_channel", "-cells", 40, "-model", "laminar", "-retau", 20)
+    drawn, asked = plt.Axes.streamplot, []
+    monkeypatch.setattr(plt.Axes, "streamplot", lambda *given, density, **more: asked.append(density) or drawn(*given, density=np.minimum(density, 7), **more))
+    assert plot_steady.main([str(run_folder)]) == 0
+    assert np.max(asked) < 7
+    high, wide = plt.imread(run_folder / "speed.png").shape[:2]
+    assert high > 1.5 * wide
 
 
 def test_the_steady_flow_does_not_hang_on_units(freefem, tmp_path):

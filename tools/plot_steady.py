@@ -24,13 +24,19 @@ PICTURES = [
 ]
 
 
-def one_panel(mesh):
-    """(figure, axes, axes of the colour bar) for a flow drawn to scale."""
-    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
-    extent = (*low, *(high - low))
-    height = np.clip((PAGE_WIDTH - 1.6) * extent[3] / extent[2], 0.7, 5.0) + 0.9
-    figure, axes = plt.subplots(figsize=(PAGE_WIDTH, height), layout="constrained")
-    frame(axes, extent)
+def size_of(points):
+    """Width and height in inches of a flow drawn to scale."""
+    extent = np.ptp(points, axis=0)
+    return extent * min((PAGE_WIDTH - 1.6) / extent[0], 5.0 / extent[1])
+
+
+def one_panel(mesh, title):
+    """(figure, axes) for a flow drawn to scale, as wide as its shape asks for."""
+    low = mesh.points.min(axis=0)
+    width, height = size_of(mesh.points)
+    figure, axes = plt.subplots(figsize=(max(width + 1.6, 2.6), max(height, 0.7) + 0.9), layout="constrained")
+    frame(axes, (*low, *np.ptp(mesh.points, axis=0)))
+    figure.suptitle(title, fontsize=10)
     return figure, axes
 
 
@@ -45,21 +51,20 @@ def caption(run):
 
 def draw_field(mesh, field_mesh, values, label, path, title, streams=None):
     """One scalar field with the outline of the mesh; `streams`: velocity whose streamlines go on top."""
-    figure, axes = one_panel(mesh)
+    figure, axes = one_panel(mesh, title)
     grid = Triangulation(*field_mesh.points.T, field_mesh.triangles)
     drawn = axes.tripcolor(grid, values, shading="gouraud", cmap=FIELD_MAP, rasterized=True)
     if streams is not None:
         draw_streams(axes, grid, streams)
     draw_outline(axes, mesh)
-    axes.set_title(title, fontsize=10)
     figure.colorbar(drawn, ax=axes, label=label, shrink=0.95, pad=0.01)
-    figure.savefig(path)
+    figure.savefig(path, bbox_inches="tight", pad_inches=0.08)  # a title or label wider than a narrow flow is not cut off
     plt.close(figure)
 
 
 def draw_streams(axes, grid, velocity):
-    """Streamlines on a regular grid, masked outside the fluid."""
-    wide, high = np.ptp(grid.x), np.ptp(grid.y)
+    """Streamlines on a regular grid, masked outside the fluid; on the page at least 0.06 inches apart along x, 0.027 along y."""
+    wide, high = size = size_of(np.column_stack([grid.x, grid.y]))
     rows = int(np.clip(600 * high / wide, 60, 600))
     # streamplot draws nothing on the rim, where rounding may put a point outside
     x = np.linspace(grid.x.min(), grid.x.max(), 600)
@@ -67,7 +72,7 @@ def draw_streams(axes, grid, velocity):
     points = np.meshgrid(x, y)
     u, v = (LinearTriInterpolator(grid, component)(*points) for component in velocity[:, :2].T)
     axes.streamplot(x, y, u, v, color="white", linewidth=0.45, arrowsize=0.5,
-                    density=(3.2, max(0.9, 3.2 * high / wide * 2.2)), broken_streamlines=True)
+                    density=np.clip(np.minimum(size / (1.75, 0.8), 10 * size[::-1]), 0.2, 6.5), broken_streamlines=True)
 
 
 def draw_walls(run, path):
