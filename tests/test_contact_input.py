@@ -177,3 +177,15 @@ def test_what_cannot_be_written_is_refused_before_the_work(freefem_refused, tmp_
     files = {"-out": tmp_path / "out.csv", words[0]: tmp_path / words[1]}
     line = freefem_refused(3, SCRIPT, "-bodies", tmp_path / "bodies.csv", *(word for pair in files.items() for word in pair))
     assert f"{words[0]}: cannot write the file" in line and not (tmp_path / "out.csv").exists()
+
+
+@pytest.mark.parametrize("options", [("-out", "-bodies"), ("-out", "-walls"), ("-contacts", "-bodies"), ("-contacts", "-walls"), ("-contacts", "-out")])
+def test_no_file_is_written_over_one_that_is_read(freefem_refused, tmp_path, options):
+    (tmp_path / "bodies.csv").write_text("\n".join(["id,x,y,radius,mass,u,v", *GOOD]) + "\n")
+    (tmp_path / "walls.csv").write_text("x1,y1,x2,y2\n0,0,1,0\n")
+    before = {path: path.read_text() for path in tmp_path.glob("*.csv")}
+    files = {"-bodies": tmp_path / "bodies.csv", "-walls": tmp_path / "walls.csv", "-out": tmp_path / "out.csv"}
+    files[options[0]] = f"{tmp_path}/../{tmp_path.name}/{files[options[1]].name}"
+    line = freefem_refused(3, SCRIPT, *(word for pair in files.items() for word in pair))
+    assert f"{options[0]} and {options[1]} are one file" in line
+    assert {path: path.read_text() for path in tmp_path.glob("*.csv")} == before
