@@ -258,6 +258,20 @@ def test_channel_friction_is_that_of_dean_and_direct_simulation(freefem, run_fol
     assert found["log_law_worst"] < 0.05
 
 
+def test_a_channel_too_slow_for_the_law_of_the_wall_is_refused(freefem, freefem_refused, run_folder, tmp_path):
+    line = freefem_refused(3, "cases/turbulent_channel.edp", "-retau", 99, "-out", tmp_path / "none")
+    assert "too low for the law of the wall" in line and not (tmp_path / "none").exists()
+    assert "warning: at -retau 120" in freefem("cases/turbulent_channel.edp", "-retau", 120, "-cells", 12, "-out", run_folder).stdout
+    found = results(run_folder)  # Re = 5073: below the range of Dean's law
+    assert found["reynolds_bulk"] < 6000 and "friction_law" not in found and "friction_error" not in found
+
+
+def test_a_periodic_flow_has_no_coarser_mesh(freefem, freefem_refused, tmp_path):
+    assert "unknown option -coarse" in freefem_refused(3, "cases/turbulent_channel.edp", "-coarse", 2, "-out", tmp_path / "run")
+    assert "-coarse" not in freefem("cases/turbulent_channel.edp", "-help").stdout
+    assert "-coarse" in freefem("cases/pipe_flow.edp", "-help").stdout
+
+
 def test_pipe_friction_is_that_of_prandtl(freefem, run_folder):
     found = run(freefem, run_folder, "turbulent_channel", "-retau", 5000, "-cells", 20, "-axisymmetric", 1)
     assert abs(found["friction_error"]) < 0.05
