@@ -63,6 +63,12 @@ def test_an_unknown_solver_or_option(refused):
     assert status == 3 and "the nearest is -tol" in lines[0]
 
 
+@pytest.mark.parametrize("short, value", [("solver", "uzawa"), ("tol", "1e-8")])
+def test_an_option_and_its_short_name_are_not_both_given(refused, short, value):
+    status, lines = refused(GOOD, None, f"-{short}", value, f"-contact-{short}", value)
+    assert status == 3 and lines == [f"error: -{short} is short for -contact-{short}; give one of them"]
+
+
 def test_overlaps_are_listed(refused):
     status, lines = refused(["0,0.1,0.1,0.01,1,0,0", "5,0.115,0.1,0.01,1,0,0", "9,0.3,0.005,0.01,1,0,0"], ["0,0,1,0"])
     assert status == 5
