@@ -135,3 +135,23 @@ def test_the_settling_disk_says_which_run_failed(tmp_path, monkeypatch):
 
 def test_discover_leaves_out_modules_without_a_list():
     assert discover(types.SimpleNamespace(__path__=[], __name__="tools.validation")) == {}
+
+
+@pytest.mark.parametrize("text, says", [
+    ("a,b\n1,2\n", "it has no column cpu_s"),
+    ("disks,kind,solver,tolerance,cpu_s,search_s,memory_mb\n500,random,newton,tight,1,1,1\n", "could not convert string to float: 'tight'"),
+    ("disks,kind,solver,tolerance,cpu_s,search_s,memory_mb\n500,random,piqp,1e-8,1,,\n", "no row of the solver newton"),
+])
+def test_the_benchmark_of_contacts_is_read_before_anything_is_computed(tmp_path, text, says):
+    from tools import validate_contacts
+    (tmp_path / "other.csv").write_text(text)
+    with pytest.raises(BadInput, match=says):
+        validate_contacts.main(["--bench", str(tmp_path / "other.csv"), "--out", str(tmp_path / "out")])
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_benchmark_of_contacts_is_judged(tmp_path):
+    from tools import validate_contacts
+    (tmp_path / "bench.csv").write_text("disks,kind,solver,tolerance,cpu_s,search_s,memory_mb\n500,random,newton,1e-8,1,0.1,90\n500,random,piqp,1e-8,2,,\n500,gravity,newton,1e-8,,,\n")
+    found = list(validate_contacts.speed(validate_contacts.benchmark(tmp_path / "bench.csv")))
+    assert [row[2] for row in found] == [0.5, 0.1, 90]

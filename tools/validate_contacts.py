@@ -107,12 +107,28 @@ def settled():
         yield f"heap of 500 at rest, to {tol:.0e}: time of a warm-started step / cold", 0.1, np.median([step["time"] for step in warm]) / cold["time"]
 
 
-def speed(path):
+def benchmark(path):
+    """The rows of a benchmark that were timed, packings at random."""
+    try:
+        with open(path, newline="", encoding="utf-8") as stream:
+            rows = [row for row in csv.DictReader(stream) if row["cpu_s"] and row["kind"] == "random"]
+        own = [row for row in rows if row["solver"] == "newton"]
+        for names, some in ((("disks", "tolerance", "cpu_s"), rows), (("search_s", "memory_mb"), own)):
+            for row in some:
+                row.update({name: float(row[name]) for name in names})
+    except KeyError as problem:
+        raise BadInput(f"{path} is no table of tools.bench_contacts: it has no column {problem.args[0]}") from None
+    except (ValueError, TypeError, csv.Error, OSError) as problem:
+        raise BadInput(f"cannot read the benchmark {path}: {problem}") from None
+    if not own:
+        raise BadInput(f"{path} has no row of the solver newton on a random packing that was timed")
+    return rows
+
+
+def speed(rows):
     """Targets on the rows of a benchmark."""
-    with open(path, newline="") as stream:
-        rows = [row for row in csv.DictReader(stream)]
-    cost = {(int(r["disks"]), r["solver"], float(r["tolerance"])): float(r["cpu_s"]) for r in rows if r["cpu_s"] and r["kind"] == "random"}
-    own = [r for r in rows if r["solver"] == "newton" and r["kind"] == "random" and r["cpu_s"]]
+    cost = {(int(r["disks"]), r["solver"], r["tolerance"]): r["cpu_s"] for r in rows}
+    own = [r for r in rows if r["solver"] == "newton"]
     numbers = sorted({key[0] for key in cost})
     tolerances = sorted({key[2] for key in cost}, reverse=True)
     peers = set(bench_contacts.PEERS)
@@ -127,9 +143,9 @@ def speed(path):
         if len(large) > 1:
             slope = np.polyfit(np.log(large), np.log([cost[n, "newton", tol] for n in large]), 1)[0]
             yield f"growth with the number of disks, {large[0]} to {large[-1]}, to {tol:.0e}: exponent", 1.3, slope
-    last = max(own, key=lambda r: int(r["disks"]))
-    yield f"{last['disks']} disks: search (s of CPU)", 5.0, float(last["search_s"])
-    yield f"{last['disks']} disks: memory (MiB)", 2048.0, float(last["memory_mb"])
+    last = max(own, key=lambda r: r["disks"])
+    yield f"{int(last['disks'])} disks: search (s of CPU)", 5.0, last["search_s"]
+    yield f"{int(last['disks'])} disks: memory (MiB)", 2048.0, last["memory_mb"]
 
 
 def main(words=None):
@@ -139,12 +155,13 @@ def main(words=None):
     options.add_argument("--full", action="store_true", help="run the benchmark up to 100,000 disks")
     options.add_argument("--out", metavar="DIR", default="results/validate_contacts", help="folder of the table")
     given = options.parse_args(words)
+    if given.bench:
+        bench = benchmark(given.bench)
     folder = Path(given.out)
     folder.mkdir(parents=True, exist_ok=True)
-    bench = given.bench
-    if not bench:
+    if not given.bench:
         bench_contacts.main(["--out", str(folder)] + ([] if given.full else ["--quick"]))
-        bench = folder / "bench_contacts.csv"
+        bench = benchmark(folder / "bench_contacts.csv")
     found = []
     print(f"{'quantity':88s} {'target':>9s} {'measured':>10s}")
     for part in (instances, row_of_disks, column, momentum, quadratic_program, falling, settled, lambda: speed(bench)):
