@@ -1,5 +1,6 @@
 """tools.plot, tools.film and the readers they stand on: what is made, and from what."""
 import json
+import re
 import subprocess
 import sys
 
@@ -216,6 +217,50 @@ def test_a_damaged_run_ends_with_one_line(folder, tmp_path, break_it, words):
     done = subprocess.run([sys.executable, "-m", "tools.plot", str(copy), "--no-film"], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 3, done.stdout + done.stderr
     assert done.stderr.count("\n") == 1 and words in done.stderr
+
+
+def damaged(path, old, new):
+    """The first of these words in a file replaced; old "": the whole file."""
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1) if old else new)
+
+
+@pytest.mark.parametrize("name, old, new, words", [
+    ("particles.csv", "\n0,0,0,", "\n0,nan,0,", "particles.csv, line 2: t is nan"),
+    ("fluid.csv", "\n1,0.05,", "\n1,inf,", "fluid.csv, line 3: t is inf"),
+    ("shapes.csv", "", "id,major\n0,1\n", "shapes.csv has no column minor"),
+    ("run.json", '"status"', '"period": "wide", "status"', '"period" must be two numbers'),
+    ("run.json", '"status"', '"period": [1, "a"], "status"', '"period" must be two numbers'),
+    ("run.json", '"status"', '"units": [1], "status"', '"units" must be an object'),
+    ("run.json", '"versions"', '"parameters": 3, "versions"', '"parameters" must be an object'),
+])
+def test_damaged_tables_are_named(tmp_path, name, old, new, words):
+    folder = write_run(tmp_path / "run", steps=20)
+    write_csv(folder / "shapes.csv", ["id", "major", "minor"], [[0, 0.01, 0.005]])
+    damaged(folder / name, old, new)
+    with pytest.raises(BadInput, match=re.escape(words)):
+        plot.main([str(folder), "--no-film"])
+
+
+@pytest.mark.parametrize("name, old, new, words", [
+    ("particles.csv", "\n0,0,0,", "\n0,0,0,nan,", "columns"),
+    ("particles.csv", ",0.9,0,10,", ",nan,0,10,", "particles.csv, line 2: u is nan"),
+    ("particles.csv", "theta,u,v", "theta,a,b", "particles.csv has no column u"),
+    ("motion.csv", "\n0,0,1,", "\n0,0,nan,", "motion.csv, line 2: kinetic_energy is nan"),
+    ("contacts.csv", "0.0001", "nan", "contacts.csv, line 2: impulse is nan"),
+    ("contacts.csv", "\n1,0,1", "\n1,0,99", "contacts.csv names particle 99 at t = 1"),
+    ("walls.csv", "0,0,1,0", "0,0,1,nan", "walls.csv, line 2: y2 is nan"),
+])
+def test_damaged_runs_of_contacts_are_named(tmp_path, name, old, new, words):
+    folder = write_run(tmp_path / "run", steps=20)
+    write_csv(folder / "motion.csv", ["step", "t", "kinetic_energy", "potential_energy", "worst_gap"], [[k, 0.05 * k, 1, 0, 0] for k in range(21)])
+    write_csv(folder / "walls.csv", ["x1", "y1", "x2", "y2"], [[0, 0, 1, 0]])
+    write_csv(folder / "contacts.csv", "t,i,j,gap,nx,ny,impulse".split(","), [[1, 0, 1, 0, 1, 0, 1e-4]])
+    assert plot_contacts.main([str(folder), "--only", "energy"]) == 0
+    damaged(folder / name, old, new)
+    with pytest.raises(BadInput, match=words):
+        plot_contacts.main([str(folder), "--only", "chains", "energy"])
 
 
 @pytest.mark.parametrize("words", [["nothing"], [], ["tools"], ["tools", "--frames", "1"], ["tools", "--only", "all"]])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import run_freefem
-from tools.command import ROOT
+from tools.command import ROOT, BadInput
 from tools.mesh_files import read_field, read_mesh
 from tools.tables import read_table
 
@@ -420,6 +420,18 @@ def test_the_pictures_are_drawn(freefem, run_folder, coarse_pipe):
     for name in ("streamlines", "speed", "pressure", "walls"):
         assert (run_folder / f"{name}.png").stat().st_size > 5000
     assert not (run_folder / "k.png").exists()
+    for name, old, new, words in (("wall.csv", ",-0.1,-1,", ",nan,-1,", "wall.csv, line 2: y is nan"), ("run.json", '"-reynolds": ', '"-reynolds": "abc", "-was": ', '-reynolds must be a number, not "abc"'),
+                                  ("zones.csv", "separation", "parting", "zones.csv has no column separation")):
+        whole = (run_folder / name).read_text()
+        assert old in whole
+        (run_folder / name).write_text(whole.replace(old, new, 1))
+        with pytest.raises(BadInput, match=words):
+            plot_steady.main([str(run_folder), "--out", str(run_folder / "none")])
+        (run_folder / name).write_text(whole)
+    (run_folder / "zones.csv").unlink()
+    with pytest.raises(BadInput, match="has no zones.csv"):
+        plot_steady.main([str(run_folder), "--out", str(run_folder / "none")])
+    assert not (run_folder / "none").exists()
 
 
 def test_a_tall_narrow_flow_is_drawn(freefem, run_folder, monkeypatch):

@@ -369,3 +369,16 @@ def test_the_drag_of_a_hundred_thousand_spheres_is_found(freefem, run_folder):
 def test_a_run_counts_once_in_the_table(tmp_path):
     with pytest.raises(BadInput, match="given twice"):
         transport_table(["--runs", "results/a", str(tmp_path), "results/../results/a"])
+
+
+@pytest.mark.parametrize("name, text, says", [
+    ("exits.csv", "a,b\n1,2\n", "exits.csv has no column id"),
+    ("exits.csv", "t,id,outlet\n0.5,0,nan\n", "exits.csv, line 2: outlet is nan"),
+    ("particles.csv", "step,t,id,x,y,theta,u,v,omega,radius\n0,0,0,nan,0,0,2,0,0,0.01\n", "particles.csv, line 2: x is nan"),
+    ("run.json", '{"status": "finished", "parameters": {"-radius": "wide"}}', '-radius must be a number, not "wide"'),
+])
+def test_the_table_names_what_is_damaged(tmp_path, name, text, says):
+    run = carried(tmp_path / "run", [0.012])
+    (tmp_path / "run" / name).write_text(text)
+    with pytest.raises(BadInput, match=says):
+        table_of([RunFolder(run.folder)])

@@ -29,7 +29,7 @@ COLUMNS = ["seed", "pressure_drop_change_mean_Pa", "pressure_drop_change_least_P
 
 def exits(run):
     """{id: time} of those that left by the outlet."""
-    table = run.table("exits")
+    table = run.columns("exits")
     return {int(i): t for i, t, outlet in zip(table["id"], table["t"], table["outlet"]) if outlet > 0.5}
 
 
@@ -47,7 +47,7 @@ def distances(one, two):
 
 def compare(seed, one, two):
     """A row of COLUMNS."""
-    flow, left_one, left_two = two.table("coupling"), exits(one), exits(two)
+    flow, left_one, left_two = two.columns("coupling", "pressure_drop_change", "speed_most", "change_most", "volume_fraction_most"), exits(one), exits(two)
     both = sorted(set(left_one) & set(left_two))
     late = np.array([left_two[i] - left_one[i] for i in both]) if both else np.array([np.nan])
     drop, speed = flow["pressure_drop_change"], flow["speed_most"][1:]
@@ -66,7 +66,7 @@ def plot(pairs, path):
     """Pressure drop over time, and the shares one-way and two-way."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.8), layout="constrained", width_ratios=[1.1, 1])
     for k, (_, two) in enumerate(pairs):
-        table = two.table("coupling")
+        table = two.columns("coupling")
         left.plot(table["t"], table["pressure_drop_change"], linewidth=0.7, color=CURVES[k % len(CURVES)][0])
     left.set_xlabel("t (s)")
     left.set_ylabel("change of the pressure drop (Pa)")

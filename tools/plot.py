@@ -104,7 +104,7 @@ def plot_trajectories(run, path):
     low, high = diameters.min(), diameters.max()
     several = high - low > 1e-6 * high
     scale = plt.Normalize(low, high) if several else plt.Normalize(0.5 * low, 1.5 * high)
-    ends, colours, last = [], [], max([track["t"][-1] for track in tracks] + [run.table(name)["t"].max(initial=0) for name in ("fluid", "steps") if run.has(name)])
+    ends, colours, last = [], [], max([track["t"][-1] for track in tracks] + [run.columns(name)["t"].max(initial=0) for name in ("fluid", "steps") if run.has(name)])
     for track, diameter in zip(tracks, diameters):
         colour = LINE_MAP(scale(diameter))
         for piece in broken(track, run.extent, run.period):

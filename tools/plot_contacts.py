@@ -18,7 +18,6 @@ from tools.command import BadInput, Parser, guarded
 from tools.film import frame_rate, mp4_possible, write_gif, write_mp4
 from tools.plotting import BODY, BODY_EDGE, FIELD_MAP, PAGE_WIDTH, ROUNDING, curve, plt, save, time_text
 from tools.run_folder import RunFolder
-from tools.tables import read_table
 
 MADE = ["frames", "chains", "energy", "film"]
 FIGURE_TIMES = [0, 1, 10, 20, 60, 80, 100]  # of the falling particles
@@ -32,12 +31,12 @@ class ContactRun(RunFolder):
         """Segments (S, 2, 2)."""
         if not self.has("walls"):
             return np.zeros((0, 2, 2))
-        table = read_table(self.folder / "walls.csv")
+        table = self.columns("walls")
         return np.column_stack([table[c] for c in ("x1", "y1", "x2", "y2")]).reshape(-1, 2, 2)
 
     @cached_property
     def _moves(self):
-        return read_table(self.folder / "wallmoves.csv") if self.has("wallmoves") else None
+        return self.columns("wallmoves") if self.has("wallmoves") else None
 
     def walls_at(self, t):
         """Segments (S, 2, 2), those that have moved where they are at the time t."""
@@ -54,7 +53,7 @@ class ContactRun(RunFolder):
 
     @cached_property
     def _starts(self):
-        if not self.has("particles") or not len(self.particles["t"]):
+        if not self.has("particles") or not len(self.columns("particles", "u", "v")["t"]):
             raise BadInput(f"the run {self.folder} has no particles.csv with rows")
         times, first = np.unique(self.particles["t"], return_index=True)
         return times, np.r_[first, len(self.particles["t"])]
@@ -167,15 +166,18 @@ def plot_frames(run, path, times=None):
 
 def plot_chains(run, path):
     """Normal forces at the last time that has contacts, as lines between the centres."""
-    contacts = read_table(run.folder / "contacts.csv")
+    contacts = run.columns("contacts", "gap", "nx", "ny", "impulse")
     if not len(contacts["t"]):
         raise BadInput(f"the run {run.folder} has no contacts to draw")
     t = contacts["t"][-1]
     now = contacts["t"] == t
     frame = run.frame(nearest(run, [t])[0])
     place = {int(name): k for k, name in enumerate(frame["id"])}
+    strange = [int(a) for a in (*contacts["i"][now], *contacts["j"][now]) if a >= 0 and int(a) not in place]
+    if strange:
+        raise BadInput(f"{run.folder / 'contacts.csv'} names particle {strange[0]} at t = {t:g}, where particles.csv has none")
     i = np.array([place[int(a)] for a in contacts["i"][now]])
-    motion = read_table(run.folder / "motion.csv")
+    motion = run.columns("motion")
     j, step = contacts["j"][now].astype(int), motion["t"][-1] / max(motion["step"][-1], 1)  # -dt is shortened to a whole part of -tend
     force = contacts["impulse"][now] / step
     a = np.column_stack([frame["x"], frame["y"]])[i]
@@ -200,7 +202,7 @@ def plot_chains(run, path):
 
 def plot_energy(run, path):
     """Kinetic and potential energy, and overlap, in time."""
-    motion = read_table(run.folder / "motion.csv")
+    motion = run.columns("motion")
     t = motion["t"]
     figure, (top, low) = plt.subplots(2, 1, figsize=(PAGE_WIDTH, 4.6), sharex=True, layout="constrained")
     fallen = motion["potential_energy"] - motion["potential_energy"].min()

@@ -42,10 +42,11 @@ def one_panel(mesh, title):
 
 def caption(run):
     """Case, model and, where one was given, Reynolds number."""
-    given = run.info.get("parameters", {})
+    given = run.info.get("parameters") or {}
     words = [str(given["-model"])] if "-model" in given else []
-    if float(given.get("-reynolds") or 0) > 0:
-        words.append(f"Reynolds number {float(given['-reynolds']):g}")
+    reynolds = run.parameter("-reynolds", 0)
+    if reynolds > 0:
+        words.append(f"Reynolds number {reynolds:g}")
     return run.title + (f" ({', '.join(words)})" if words else "")
 
 
@@ -77,7 +78,7 @@ def draw_streams(axes, grid, velocity):
 
 def draw_walls(run, path):
     """Wall shear and pressure along the walls below and above the fluid; zones of reversed flow grey."""
-    wall, zones = run.table("wall"), run.table("zones")
+    wall, zones = run.columns("wall"), run.columns("zones")
     figure, both = plt.subplots(2, 1, figsize=(PAGE_WIDTH, 4.4), sharex=True, layout="constrained")
     for k, (side, name) in enumerate(((-1, "walls below the fluid"), (1, "walls above it"))):
         own = wall["side"] == side
@@ -93,10 +94,10 @@ def draw_walls(run, path):
     both[0].axhline(0, color="black", linewidth=0.6)
     both[0].set_ylabel("wall shear (Pa)")
     # a sharp edge carries a peak that would hide the rest
-    spread = np.nanpercentile(abs(wall["shear"]), 97)
+    spread = np.percentile(abs(wall["shear"]), 97)
     both[0].set_ylim(-1.3 * spread, 1.3 * spread)
-    if np.nanmax(abs(wall["shear"])) > 1.3 * spread:
-        both[0].set_title(f"peaks at sharp edges, up to {np.nanmax(abs(wall['shear'])):.3g} Pa, are cut off", fontsize="small")
+    if np.max(abs(wall["shear"])) > 1.3 * spread:
+        both[0].set_title(f"peaks at sharp edges, up to {np.max(abs(wall['shear'])):.3g} Pa, are cut off", fontsize="small")
     both[1].set_ylabel("wall pressure (Pa)")
     both[1].set_xlabel("x (m); grey bars: reversed flow at walls below (bottom) and above (top)")
     for axes in both:
@@ -116,6 +117,7 @@ def main(arguments=None):
     out = Path(options.out or options.run)
     if not (run.folder / "fields.vtu").is_file() or not (run.folder / "mesh.mesh").is_file():
         raise BadInput(f"{options.run} holds no fields.vtu and mesh.mesh of a steady flow")
+    caption(run), run.columns("wall"), run.columns("zones")  # what is damaged ends before anything is written
     run.warn_unfinished()
     out.mkdir(parents=True, exist_ok=True)
     mesh = read_mesh(run.folder / "mesh.mesh")

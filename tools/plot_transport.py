@@ -21,8 +21,8 @@ def chosen_times(run, number=6):
     """Times spread over the part of the run in which most happens: until nine tenths of
     the particles that leave have left, at least a third of the run."""
     end = float(run.particles["t"].max())
-    if run.has("exits") and len(run.table("exits")["t"]):
-        end = min(end, max(end / 3, 1.1 * float(np.quantile(run.table("exits")["t"], 0.9))))
+    if run.has("exits") and len(run.columns("exits")["t"]):
+        end = min(end, max(end / 3, 1.1 * float(np.quantile(run.columns("exits")["t"], 0.9))))
     times = np.linspace(0, end, number + 1)[1:]
     return np.array([float(f"{t:.2g}") for t in times])
 
@@ -80,7 +80,7 @@ def main(words=None):
             times = [float(word) for word in given.times.split(",")]
         except ValueError:
             raise BadInput(f"--times needs numbers with commas between, not '{given.times}'") from None
-        end = max((float(run.table(name)["t"].max(initial=0)) for name in ("steps", "particles") if run.has(name) and "t" in run.table(name)), default=0.0)
+        end = max((float(run.columns(name)["t"].max(initial=0)) for name in ("steps", "particles") if run.has(name)), default=0.0)
         for t in times:
             if not 0 <= t <= end * (1 + 1e-9):
                 raise BadInput(f"--times: {t:g} is not between 0 and {end:g} s, the end of the run")

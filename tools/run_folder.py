@@ -23,6 +23,10 @@ SI = {"length": "m", "time": "s", "mass": "kg"}
 SYMBOLS = {"length": "L", "time": "T", "mass": "M"}  # of a case whose own parameters have no units
 SMALLER = {"length": ("cm", "mm", "um", "km"), "time": ("ms", "us", "min"), "mass": ("g", "mg", "ug", "t")}
 DRIVER = {"-tend", "-dt", "-every", "-fields", "-maxwall", "-penalty"}  # options with units that every case has, whatever its own
+NEEDED = {"particles": "t id x y theta radius", "fluid": "t", "contacts": "t i j", "shapes": "id major minor", "steps": "t", "exits": "id t outlet",
+          "motion": "step t kinetic_energy potential_energy worst_gap", "walls": "x1 y1 x2 y2", "wallmoves": "t wall x1 y1 x2 y2",
+          "wall": "x side shear pressure", "zones": "side separation reattachment"}  # columns without which a table says nothing
+KINDS = {"parameters": (dict, "an object in braces"), "units": (dict, "an object in braces"), "period": (list, "two numbers in brackets"), "open": (list, "labels in brackets")}
 
 
 class RunFolder:
@@ -47,12 +51,24 @@ class RunFolder:
             raise BadInput(f"cannot read {path}: {problem}") from None
         if not isinstance(info, dict):
             raise BadInput(f"{path} must hold one object in braces")
+        for name, (kind, words) in KINDS.items():
+            value = info.get(name)
+            if value is not None and (not isinstance(value, kind) or kind is list and not all(type(one) in (int, float) for one in value) or name == "period" and len(value) != 2):
+                raise BadInput(f'{path}: "{name}" must be {words}, not {json.dumps(value)[:60]}')
         return info
 
     @property
     def case(self):
         """The case's name, else the folder's."""
         return str(self.info.get("case") or self.folder.name)
+
+    def parameter(self, name, standard):
+        """An option of the run that is a number, `standard` where run.json does not name it."""
+        given = (self.info.get("parameters") or {}).get(name, standard)
+        try:
+            return float(given)
+        except (TypeError, ValueError):
+            raise BadInput(f"{self.folder / 'run.json'}: {name} must be a number, not {json.dumps(given)[:60]}") from None
 
     @property
     def status(self):
@@ -119,20 +135,28 @@ class RunFolder:
         """True if the run wrote NAME.csv."""
         return (self.folder / f"{name}.csv").is_file()
 
-    def table(self, name):
-        """The columns of NAME.csv."""
+    def table(self, name, finite=False):
+        """The columns of NAME.csv; finite: nan and inf are refused."""
         if not self.has(name):
             raise BadInput(f"the run {self.folder} has no {name}.csv")
-        return read_table(self.folder / f"{name}.csv")
+        return read_table(self.folder / f"{name}.csv", finite)
+
+    def columns(self, name, *needed):
+        """The columns of NAME.csv to draw or to count: the needed ones (and those of NEEDED) are there, all values finite."""
+        table = self.table(name, finite=True)
+        missing = [column for column in (*NEEDED.get(name, "").split(), *needed) if column not in table]
+        if missing:
+            raise BadInput(f"{self.folder / (name + '.csv')} has no column {missing[0]}")
+        return table
 
     @cached_property
     def particles(self):
         """particles.csv: one row per particle inside and output time."""
-        return self._with("particles", ("t", "id", "x", "y", "theta", "radius"))
+        return self.columns("particles")
 
     @cached_property
     def _aspects(self):
-        shapes = self.table("shapes") if self.has("shapes") else {"id": [], "major": [], "minor": []}
+        shapes = self.columns("shapes") if self.has("shapes") else {"id": [], "major": [], "minor": []}
         return {int(one): minor / major for one, major, minor in zip(shapes["id"], shapes["major"], shapes["minor"])}
 
     def aspect(self, one):
@@ -142,19 +166,12 @@ class RunFolder:
     @cached_property
     def fluid(self):
         """fluid.csv: one row per output time."""
-        return self._with("fluid", ("t",))
+        return self.columns("fluid")
 
     @cached_property
     def contacts(self):
         """contacts.csv: one row per touching pair and output time."""
-        return self._with("contacts", ("t", "i", "j"))
-
-    def _with(self, name, needed):
-        table = self.table(name)
-        missing = [column for column in needed if column not in table]
-        if missing:
-            raise BadInput(f"{self.folder / (name + '.csv')} has no column {missing[0]}")
-        return table
+        return self.columns("contacts")
 
     @cached_property
     def mesh(self):

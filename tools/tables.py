@@ -10,9 +10,10 @@ import numpy as np
 from tools.command import BadInput
 
 
-def read_table(path):
+def read_table(path, finite=False):
     """The columns of a CSV file as {name: array}. A last row cut short (a run killed
-    while writing on a full disk) is an error like any other: rows are whole or wrong."""
+    while writing on a full disk) is an error like any other: rows are whole or wrong.
+    finite: nan and inf are errors too."""
     try:
         with open(path, newline="", encoding="utf-8-sig") as stream:
             lines = [(number, line) for number, line in enumerate(stream, 1)
@@ -32,6 +33,8 @@ def read_table(path):
     try:
         values = np.loadtxt([line for _, line in body], delimiter=",", ndmin=2)
         if values.shape[1] == len(names):
+            for row, column in np.argwhere(~np.isfinite(values))[:1] if finite else ():
+                raise BadInput(f"{path}, line {body[row][0]}: {names[column]} is {values[row, column]}, not a finite number")
             return {name: values[:, k].copy() for k, name in enumerate(names)}
     except ValueError:
         pass

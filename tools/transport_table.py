@@ -38,7 +38,7 @@ PIPE = {"-radius": 0.1, "-length": 1.0}  # m
 def fates(run, front=0.295, low=-0.1, near=0.01):
     """(diameters, {fate: 0/1 of each particle}) of a run."""
     tracks, end = run.tracks, run.particles["t"].max()
-    exits = run.table("exits")
+    exits = run.columns("exits")
     through = set(exits["id"][exits["outlet"] > 0.5].astype(int))
     sizes, found = [], {name: [] for name in FATES}
     for one, track in tracks.items():
@@ -60,12 +60,11 @@ def usable(run):
         raise BadInput(f"{run.folder} is no run of a transport case (it has no exits.csv)")
     if run.status not in ("", "finished"):
         raise BadInput(f"the run {run.folder} has not come to its end (its status is '{run.status}')")
-    if not len(run.particles["t"]):
+    if not len(run.columns("particles", "u")["t"]):
         raise BadInput(f"the run {run.folder} holds no particles")
-    given = run.info.get("parameters") or {}
     for name, value in PIPE.items():
-        if abs(float(given.get(name, value)) - value) > 1e-9:
-            raise BadInput(f"the run {run.folder} has {name} {given[name]}; the places of this table are those of {name} {value:g}")
+        if not abs(run.parameter(name, value) - value) < 1e-9:
+            raise BadInput(f"the run {run.folder} has {name} {run.parameter(name, value):g}; the places of this table are those of {name} {value:g}")
     return run
 
 
