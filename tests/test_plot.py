@@ -289,6 +289,31 @@ def test_the_axis_of_frames_of_contacts_stands_on_the_page(tmp_path, monkeypatch
     plt.close(drawn[0])
 
 
+def test_the_energies_have_their_names_above_them(tmp_path, monkeypatch):
+    write_run(tmp_path, steps=10)
+    write_csv(tmp_path / "motion.csv", ["step", "t", "kinetic_energy", "potential_energy", "worst_gap"], [[k, k, 1 + k, 10 - k, 0] for k in range(10)])
+    drawn = []
+    monkeypatch.setattr(plot_contacts, "save", lambda figure, path: drawn.append(figure))
+    plot_contacts.plot_energy(plot_contacts.ContactRun(tmp_path), None)
+    drawn[0].canvas.draw()
+    top = drawn[0].axes[0]
+    assert top.get_legend().get_window_extent().y0 >= top.get_window_extent().y1 - 1
+    plt.close(drawn[0])
+
+
+def test_the_names_of_the_series_are_no_longer_than_their_axes(tmp_path, monkeypatch):
+    folder, drawn = write_run(tmp_path / "run", steps=20), []
+    table = read_table(folder / "fluid.csv")
+    write_csv(folder / "fluid.csv", [*table, "top_speed"], np.column_stack([*table.values(), np.ones(21)]))
+    monkeypatch.setattr(plot, "save", lambda figure, path: drawn.append(figure))
+    plot.plot_series(RunFolder(folder), None)
+    drawn[0].canvas.draw()
+    assert len(drawn[0].axes) == 6
+    for one in drawn[0].axes:
+        assert one.yaxis.label.get_window_extent().height <= one.get_window_extent().height
+    plt.close(drawn[0])
+
+
 @pytest.mark.parametrize("times", ["inf", "nan", "-0.1", "0.2,1.1"])
 def test_times_of_a_transport_run_lie_within_it(tmp_path, times):
     write_run(tmp_path, steps=10)

@@ -158,7 +158,7 @@ def series(run):
         wanted.append((label, [("", overlap / (smallest or 1.0))], True))
     if "divergence" in table and "top_speed" in table:
         speed = np.where(table["top_speed"] > 0, table["top_speed"], np.nan)
-        wanted.append(("norm of div u / largest speed", [("", table["divergence"] / speed)], True))
+        wanted.append(("norm of div u /\nlargest speed", [("", table["divergence"] / speed)], True))
     def tells(label, curves):  # a closed box has no flux and no pressure drop
         return any(np.isfinite(v).any() and (v.any() or label not in (wanted[0][0], wanted[1][0])) for _, v in curves)
     return [panel for panel in wanted if tells(*panel[:2])]

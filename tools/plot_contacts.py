@@ -209,8 +209,8 @@ def plot_energy(run, path):
     floor = 1e-6 * max(motion["kinetic_energy"].max(), fallen.max(), 1e-300)
     top.semilogy(t, np.maximum(motion["kinetic_energy"], floor), label="kinetic", **curve(0))
     top.semilogy(t, np.maximum(fallen, floor), label="potential, above its least", **curve(1))
-    top.set_ylabel("energy (J per metre of depth)")
-    top.legend(loc="upper right", ncols=2)
+    top.set_ylabel("energy\n(J per metre of depth)")
+    top.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)  # a run that ends before rest has curves everywhere
     radius = run.particles["radius"].min()
     overlap = np.where(motion["worst_gap"] < -ROUNDING * radius, -motion["worst_gap"] / radius, np.nan)
     low.set(xlabel="t (s)", ylabel="greatest overlap /\nsmallest radius")

@@ -3,7 +3,7 @@
     python -m tools.plot_transport RUN [--out DIR] [--times T1,T2,...]
 
 Writes transport.png (figure 7 of the paper: positions over the speed of the steady flow)
-and trajectories.png into DIR, by default the run folder.
+and trajectories.png (the picture that tools.plot draws under this name) into DIR, by default the run folder.
 """
 import sys
 from pathlib import Path
