@@ -382,3 +382,13 @@ def test_the_table_names_what_is_damaged(tmp_path, name, text, says):
     (tmp_path / "run" / name).write_text(text)
     with pytest.raises(BadInput, match=says):
         table_of([RunFolder(run.folder)])
+
+
+def test_the_table_is_of_one_scene(tmp_path, capsys):
+    first, same, other = (carried(tmp_path / name, [0.012, 0.028], **given) for name, given in (("a", {"seed": 1, "vmax": 2}), ("b", {"seed": 2, "vmax": 2}), ("c", {"seed": 3, "vmax": 1})))
+    assert len(table_of([first, same])) == 5
+    with pytest.raises(BadInput, match=r"differ in -vmax \(2 and 1\)"):
+        table_of([first, same, other])
+    assert transport_table(["--runs", str(first.folder), "--out", str(tmp_path / "table")]) == 0
+    said = capsys.readouterr().out
+    assert "nan" not in said and "100.0       -" in said

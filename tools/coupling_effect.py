@@ -21,7 +21,7 @@ from tools.command import ROOT, BadInput, Parser, guarded
 from tools.plotting import CURVES, PAGE_WIDTH, plt, save
 from tools.run_folder import RunFolder
 from tools.tables import write_table
-from tools.transport_table import FATES, compute, fates
+from tools.transport_table import FATES, compute, fates, shown
 
 COLUMNS = ["seed", "pressure_drop_change_mean_Pa", "pressure_drop_change_least_Pa", "pressure_drop_change_most_Pa", "speed_most_change_m_s", "velocity_change_most_m_s",
            "volume_fraction_most", "left_one_way", "left_two_way", "exit_time_mean_change_s", "exit_time_median_difference_s", "distance_median_m"]
@@ -70,7 +70,7 @@ def plot(pairs, path):
         left.plot(table["t"], table["pressure_drop_change"], linewidth=0.7, color=CURVES[k % len(CURVES)][0])
     left.set_xlabel("t (s)")
     left.set_ylabel("change of the pressure drop (Pa)")
-    left.set_title(f"two-way, {len(pairs)} seeds")
+    left.set_title(f"two-way, {len(pairs)} seeds" if len(pairs) > 1 else "two-way, one seed")
     left.grid(True)
     for way, label in ((0, "one-way"), (1, "two-way")):
         values = np.array([shares(pair[way]) for pair in pairs])
@@ -80,7 +80,7 @@ def plot(pairs, path):
         right.errorbar(places, values.mean(axis=0), yerr=[np.minimum(spread, values.mean(axis=0)), spread], fmt="none", ecolor="black", elinewidth=0.7, capsize=2)
     right.set_xticks(range(len(FATES)), [name.replace(" ", "\n") for name in FATES], fontsize=7)
     right.set_ylabel("particles (%)")
-    right.set_title("lines: standard deviation over seeds")
+    right.set_title("lines: standard deviation over seeds" if len(pairs) > 1 else "one seed")
     right.grid(True, axis="y")
     right.set_axisbelow(True)
     right.legend()
@@ -115,7 +115,7 @@ def main(words=None):
     one, two = (np.array([shares(pair[way]) for pair in pairs]) for way in (0, 1))
     for k, name in enumerate(FATES):
         spread = one[:, k].std(ddof=1) if given.seeds > 1 else np.nan
-        print(f"{name:<20} one-way {one[:, k].mean():5.1f} %, two-way {two[:, k].mean():5.1f} %, standard deviation over seeds {spread:4.1f} %")
+        print(f"{name:<20} one-way {one[:, k].mean():5.1f} %, two-way {two[:, k].mean():5.1f} %, standard deviation over seeds {shown(spread, '', 4)}{' %' if given.seeds > 1 else ''}")
     print(out / "coupling_effect.csv")
     print(plot(pairs, out / "coupling_effect.png"))
     return 0

@@ -14,7 +14,8 @@ standard deviation over the seeds:
   bottom            less than 1 cm above the lower wall for more than half of its time in the pipe
 
 What is "behind", "low" and a class is that of the paper's pipe (-radius 0.1, -length 1, diameters of 1 to 3 cm): runs of
-another pipe are refused, other diameters are a row of their own. Runs that did not end are refused.
+another pipe are refused, other diameters are a row of their own. Runs that did not end are refused, and such as
+differ in more than -seed and what is written where.
 """
 import os
 import sys
@@ -32,6 +33,7 @@ from tools.tables import write_table
 CASE = "cases/pipe_transport.edp"
 FATES = ("carried through", "trapped", "behind", "recirculation", "bottom")
 CLASSES = np.array([0.010, 0.015, 0.020, 0.025, 0.030001])
+FREE = {"-seed", "-turbulence-seed", "-out", "-overwrite", "-every", "-fields", "-flow", "-restart", "-checkpoint", "-maxwall", "-contact-trace"}  # in which runs of a table may differ
 PIPE = {"-radius": 0.1, "-length": 1.0}  # m
 
 
@@ -68,8 +70,18 @@ def usable(run):
     return run
 
 
+def alike(runs):
+    """BadInput where two runs differ in an option that is not in FREE."""
+    first, *others = [run.info.get("parameters") or {} for run in runs]
+    for run, given in zip(runs[1:], others):
+        for name in sorted({*first, *given} - FREE):
+            if first.get(name) != given.get(name):
+                raise BadInput(f"the runs {runs[0].folder} and {run.folder} differ in {name} ({first.get(name)} and {given.get(name)}): a table is of seeds of one scene")
+
+
 def table_of(runs):
     """Rows [class low, class high, particles a run, mean and deviation of each fate in %]; the last row is all of them."""
+    alike(runs)
     judged = [fates(usable(run)) for run in runs]
     sizes = np.concatenate([one for one, _ in judged])
     classes = list(zip(CLASSES[:-1], CLASSES[1:]))
@@ -94,6 +106,11 @@ def table_of(runs):
     return rows
 
 
+def shown(value, sign, width):
+    """A number with one decimal behind a sign; a dash where there is none: the deviation of a single seed, the mean of no particle."""
+    return f"{sign}{value:{width}.1f}" if np.isfinite(value) else f"{'-':>{len(sign) + width}}"
+
+
 def plot_table(rows, path, seeds):
     """Bars by class with the standard deviation over the seeds."""
     figure, axes = plt.subplots(figsize=(PAGE_WIDTH, 3.2), layout="constrained")
@@ -109,7 +126,7 @@ def plot_table(rows, path, seeds):
     axes.set_ylim(0, 105)
     axes.grid(True, axis="y")
     axes.legend(ncols=len(FATES), loc="lower center", bbox_to_anchor=(0.5, 1.0), columnspacing=1.2, handlelength=1.2)
-    axes.set_xlabel(f"diameter (bars: mean, lines: standard deviation over {seeds} seeds)")
+    axes.set_xlabel(f"diameter (bars: mean, lines: standard deviation over {seeds} seeds)" if seeds > 1 else "diameter (one seed)")
     axes.set_axisbelow(True)
     return save(figure, path)
 
@@ -168,7 +185,7 @@ def main(words=None):
     write_table(out / "table.csv", names, rows)
     print("diameter (cm)   number  " + "  ".join(f"{name:>16}" for name in FATES))
     for row in rows:
-        cells = "  ".join(f"{row[3 + 2 * k]:9.1f} +-{row[4 + 2 * k]:5.1f}" for k in range(len(FATES)))
+        cells = "  ".join(f"{shown(row[3 + 2 * k], '', 9)} {shown(row[4 + 2 * k], '+-', 5)}" for k in range(len(FATES)))
         print(f"{100 * row[0]:4.1f} to {100 * row[1]:4.1f}   {row[2]:6.1f}  {cells}")
     print(out / "table.csv")
     print(plot_table(rows, out / "table.png", len(folders)))
