@@ -1,6 +1,8 @@
 """tools.bench: ratios at equal error, rounds, what is cut out of a program, the page, and a tiny run."""
 import csv
 import math
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -133,3 +135,9 @@ def test_a_tiny_run(tmp_path, monkeypatch):
     finally:
         bench.os.sched_setaffinity(0, affinity)
     assert list(csv.DictReader(open(tmp_path / "bench.csv")))[:4] == rows and "transport: of an earlier run" in (tmp_path / "bench.md").read_text()
+
+
+@pytest.mark.parametrize("words", [[], ["vortex"], ["vortex", "9"], ["whirl", "0"]])
+def test_a_peer_that_is_called_wrongly_says_how(words):
+    done = subprocess.run([sys.executable, "-m", "tools.peers.with_scipy", *words], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 3 and done.stderr.startswith("error: usage: python -m tools.peers.with_scipy reference|vortex LEVEL") and done.stderr.count("\n") == 1

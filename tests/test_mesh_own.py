@@ -166,3 +166,12 @@ def test_all_sizes_of_a_script_shrink_alike(tmp_path):
     areas = signed_areas(mesh.points, mesh.triangles)
     assert np.quantile((4 / 3**0.5 * areas) ** 0.5, 0.95) == pytest.approx(0.03, rel=0.1)
     assert made(tmp_path, text, "--proportional").returncode == 3
+
+
+def test_the_mesh_of_a_run_is_not_written_over(tmp_path):
+    (tmp_path / "my.geo").write_text(SCRIPT)
+    (tmp_path / "run.json").write_text("{}")
+    (tmp_path / "mesh.mesh").write_text("MeshVersionFormatted 2")
+    done = command("own", "--from", tmp_path / "my.geo", "--out", tmp_path / "mesh.mesh")
+    assert done.returncode == 3 and "is the mesh of a run" in done.stderr and done.stderr.count("\n") == 1
+    assert (tmp_path / "mesh.mesh").read_text() == "MeshVersionFormatted 2"

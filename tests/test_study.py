@@ -137,6 +137,9 @@ def test_quantities_of_ones_own(case, tmp_path):
     assert quantities.evaluate(quantities.parse("rows:2", known), run) == (2 * len(run.particles["t"]), "")
     value, why = quantities.evaluate(quantities.parse("broken", known), run)
     assert math.isnan(value) and "division" in why
+    own.rename(tmp_path / "mine.txt")
+    with pytest.raises(BadInput, match="must be Python"):
+        quantities.load([tmp_path / "mine.txt"])
     for text in ("nothing", "rows:x", "rows:1:2"):
         with pytest.raises(BadInput):
             quantities.parse(text, known)

@@ -61,6 +61,8 @@ def main():
         raise BadInput(f"--out needs a file name without spaces that ends with .mesh, not '{options.out}'")
     if is_foreign(path):
         raise BadInput(f"'{options.out}' is there and is no mesh; give another name")
+    if path.name == "mesh.mesh" and (path.parent / "run.json").is_file():
+        raise BadInput(f"'{options.out}' is the mesh of a run, whose results belong to it; give another name")
     mesh, found = make(options)
     if found:
         print(f"error: the mesh was not written: {found[0]}; ask for smaller elements or other dimensions", file=sys.stderr)

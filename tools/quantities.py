@@ -164,6 +164,8 @@ def load(extra=()):
     for k, path in enumerate(extra):
         if not Path(path).is_file():
             raise BadInput(f"there is no file of quantities {path}")
+        if Path(path).suffix != ".py":
+            raise BadInput(f"the file of quantities {path} must be Python, its name ending with .py")
         spec = importlib.util.spec_from_file_location(f"own_quantities_{k}", path)
         try:
             module = importlib.util.module_from_spec(spec)

@@ -29,7 +29,9 @@ def asked(problems, levels=3):
             return problem, level, *further
     except (IndexError, ValueError):
         pass
-    sys.exit(f"usage: {sys.argv[0]} {'|'.join(problems)} LEVEL (0 to {levels - 1}) [SIZE, of the elements of 2d1 or of lbmpy's steps over the level's (default 1) [ORDER of NGSolve's (default 3)]]")
+    name = os.path.splitext(os.path.basename(sys.argv[0]))[0]
+    print(f"error: usage: python -m tools.peers.{name} {'|'.join(sorted(problems))} LEVEL (0 to {levels - 1}) [SIZE, of the elements of 2d1 or of lbmpy's steps over the level's (default 1) [ORDER of NGSolve's (default 3)]]", file=sys.stderr)
+    sys.exit(3)
 
 
 def report(begin, unknowns, **numbers):
