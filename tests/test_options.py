@@ -124,3 +124,8 @@ def test_a_default_of_no_option_is_refused(freefem_text, tmp_path):
     assert "-dtt" in text
     done = freefem_text(text, "-out", tmp_path / "run", check=False)
     assert done.returncode == 3 and "default of -dtt" in done.stderr and not (tmp_path / "run").exists()
+
+
+def test_the_name_of_a_case_names_a_folder(freefem_text):
+    done = freefem_text(SCRIPT.replace('"trial"', '"my/trial"'), check=False)
+    assert done.returncode == 3 and "holds a /" in done.stderr

@@ -392,3 +392,12 @@ def test_the_table_is_of_one_scene(tmp_path, capsys):
     assert transport_table(["--runs", str(first.folder), "--out", str(tmp_path / "table")]) == 0
     said = capsys.readouterr().out
     assert "nan" not in said and "100.0       -" in said
+
+
+def test_a_steady_flow_that_does_not_come_about_says_why(freefem_refused, tmp_path, monkeypatch):
+    fake = tmp_path / "fake"
+    fake.write_text("#!/bin/sh\necho step 1\necho 'error: the residual is 3 after 80 factorisations'\nexit 4\n")
+    fake.chmod(0o755)
+    monkeypatch.setenv("FREEFEM", str(fake))  # of the run within the run
+    line = freefem_refused(4, "cases/pipe_transport.edp", "-flow", tmp_path / "flow", "-out", tmp_path / "run")
+    assert "did not come about (status 4): the residual is 3 after 80 factorisations; see /tmp/steady_" in line
