@@ -77,10 +77,10 @@ def jobs_of(part, there, out, quick, limit):
         return transport_jobs(out, [100, 10000] if quick else [100, 1000, 10000, 100000], 2 if quick else 3)
     if quick:
         return scaling_jobs(out, {OURS: [(4, 20, 5), (8, 10, 4)], PUBLISHED: [(4, 3, 1)]},
-                            {OURS: [(0, 20, 5), (1, 20, 5), (50, 15, 5)], "none": [(None, 20, 5)]}, [], [], limit)
+                            {OURS: [(0, 20, 5), (1, 20, 5), (50, 15, 5)], "none": [(None, 20, 5)]}, [], [], [], limit)
     return scaling_jobs(out, {OURS: [(4, 40, 10), (6, 40, 10), (8, 30, 10), (12, 25, 10), (17, 15, 5)], PUBLISHED: [(4, 4, 1), (6, 3, 1), (8, 3, 1)]},
                         {OURS: [(0, 40, 10), (1, 40, 10), (50, 40, 10), (500, 20, 5)], "none": [(None, 40, 10)], PUBLISHED: [(1, 3, 1), (50, 3, 1), (500, 3, 1)]},
-                        [(number, 200, 160) for number in (0, 1, 50, 500)], [(number, 15, 5) for number in (0, 1, 50, 500)], limit)
+                        [(number, 200, 160) for number in (0, 1, 50, 500)], [(number, 15, 5) for number in (0, 1, 50, 500)], [(number, 200, 160) for number in (0, 1, 50, 500)], limit)
 
 
 # Minutes of a part after which no further round begins; what is skipped takes 7 and 1.

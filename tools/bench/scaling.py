@@ -3,7 +3,8 @@
 Unknowns: the settling disk, from 4 elements across it. Particles: the pipe on one mesh, without
 particles in the program (scripts/flow.edp) and with 0, 1, 50 and 500 disks, in small steps while the
 inflow starts; and in the steps of the case, when the jet behind the diaphragm stands (0.23 to 0.28 s). On that mesh
-the disks have 1.7 elements across; with elements of 3 mm they have 3.3, and the flow round them is resolved.
+the disks have 1.7 elements across; with elements of 3 mm they have 3.3, and the flow round them is resolved: in small steps while
+the inflow starts, and when the stream carries them (0.08 to 0.1 s).
 """
 import functools
 
@@ -11,7 +12,7 @@ from tools.bench.rounds import Job
 from tools.bench.scenes import OURS, mesh, pipe_step
 from tools.bench.timed import step_time, tree
 
-IN_JET, FINE, FINE_SIZE = "standard, in the jet", "standard, 3 mm", 0.003
+IN_JET, FINE, CARRIED, FINE_SIZE = "standard, in the jet", "standard, 3 mm", "standard, 3 mm, carried", 0.003
 DIAMETER = 0.25
 SETTLING = "cases/settling_disk.edp"
 
@@ -28,16 +29,18 @@ def disk_step(scheme, cells, out, steps, warm, limit):
     return {"unknowns": 2 * (2 * columns + 1) * (2 * rows + 1) + (columns + 1) * (rows + 1), "step_s": cost, "memory_mb": memory}
 
 
-def scaling_jobs(out, cells, disks, jet, fine, limit, size=None):
+def scaling_jobs(out, cells, disks, jet, fine, carried, limit, size=None):
     """cells: {program: [(elements across the disk, steps, first steps that do not count)]};
-    disks: {program: [(number or None, steps, the same)]}; jet: such a list, of the standard scheme in the case's own steps; fine: one in smaller elements."""
+    disks: {program: [(number or None, steps, the same)]}; jet: such a list, of the standard scheme in the case's own steps; fine, carried: two in
+    smaller elements."""
     jobs = [Job("scaling", "unknowns", program, level, functools.partial(disk_step, program, one, out, steps, warm, limit))
             for program, those in cells.items() for level, (one, steps, warm) in enumerate(those)]
     for program, those in disks.items():
         for level, (number, steps, warm) in enumerate(those):
             name = "no particles in the program" if number is None else program
             jobs.append(Job("scaling", "particles", name, level, functools.partial(pipe_step, program, number, out, steps, warm, limit, size)))
-    jobs += [Job("scaling", "particles", FINE, level, functools.partial(pipe_step, OURS, number, out, steps, warm, limit, FINE_SIZE)) for level, (number, steps, warm) in enumerate(fine)]
+    for name, those in ((FINE, fine), (CARRIED, carried)):
+        jobs += [Job("scaling", "particles", name, level, functools.partial(pipe_step, OURS, number, out, steps, warm, limit, FINE_SIZE)) for level, (number, steps, warm) in enumerate(those)]
     return jobs + [Job("scaling", "particles", IN_JET, level, functools.partial(pipe_step, OURS, number, out, steps, warm, limit, size, own=True))
                    for level, (number, steps, warm) in enumerate(jet)]
 
