@@ -81,25 +81,29 @@ def test_the_flow_of_a_blow_has_the_added_mass_of_an_ideal_fluid(place, jump, ex
 
 
 GAPS = """macro caseStep() {
-    real[int] r(flowNq), before(flowNq), far(flowNq), size(flowNq), beside(flowNq);
+    real[int] r(flowNq), before(flowNq), far(flowNq), size(flowNq), beside(flowNq), closed(flowNq), one(0);
+    varf pairs(p, q) = int2d(Th)(p*q);
+    matrix near = pairs(Qh, Qh);
     Qh wave = cos(7*x) + sin(9*y) + 0.3;
     r = wave[];
     before = r;
     int rounds = gapOpen(r);
-    beside = gapBeside'*gapClosed; beside += gapClosed;
+    one.resize(gapN); one = 1.;
+    closed = 0.; closed(gapVertex) = one;
+    beside = near'*closed;
     far = beside ? 0. : 1.;
     size = abs(before);
     (beside = r) -= before; far .*= beside;
     before -= r;
-    beside = r .* gapClosed;
+    beside = r .* closed;
     cout << "gaps " << gapN << " " << rounds << " " << before.sum/size.sum << " " << beside.linfty/size.max << " " << far.linfty << endl;
     flowP = 7.;
-    beside = gapClosed; beside *= -100.; flowP += beside;
+    beside = closed; beside *= -100.; flowP += beside;
     gapFill();
     beside = flowP; beside -= 7.;
     Qh slope = 2*x - 3*y;
     flowP = slope[]; beside = beside .* beside; real constant = sqrt(beside.max);
-    beside = gapClosed; beside *= 1000.; flowP += beside;
+    beside = closed; beside *= 1000.; flowP += beside;
     gapFill();
     beside = flowP; beside -= slope[];
     cout << "filled " << constant << " " << beside.linfty << endl;
