@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import run_freefem
+from tools.command import ROOT
 from tools.mesh_files import read_mesh
 from tools.meshing.medit import write
 from tools.meshing.plane_mesh import PlaneMesh
@@ -153,3 +154,27 @@ def test_the_force_across_a_stream_does_not_hang_on_its_speed(freefem_text, tmp_
     for speed in (1, 2):
         assert force[speed][0] == pytest.approx(force[0][0], rel=0.02)
         assert force[speed][1] < 0.01 * 0.12 * force[0][0] + 2e-5
+
+
+BESIDE = """macro caseStep() {{
+    real[int] at = frameX(rigidNode), mine(3);
+    mine = 0.;
+    for (int i = 0; i < at.n; ++i) mine[rigidOwner[i]] = max(mine[rigidOwner[i]], abs(at[i]));
+    real[int] seen(3), one(frameBody.n);
+    one = 1.; seen = 0.; seen(frameBody) = one;
+    cout << "beside " << frameOn << " " << mine[0] << " " << mine[1] << " " << seen[0] << " " << seen[1] << " " << seen[2] << endl;
+}} // EOM"""
+
+
+def test_a_coarse_body_stays_out_of_the_frame_of_a_fine_one_beside_it(freefem_text, tmp_path):
+    """Below 2.5 elements across a body goes without; its nodes are not shifted by its neighbour's window, and one far off is not looked for."""
+    mesh = tmp_path / "box.mesh"
+    particles = "{ bodyAdd(0.31, 0.42, 0.12, 1.5, 1, 0, 0, 1); bodyAdd(0.31, 0.58, 0.035, 1.5, 1, 0, 0, 1); bodyAdd(0.8, 0.9, 0.035, 1.5, 1, 0, 0, 1); }"
+    text = f'savemesh(square(32, 32, flags = 3), "{mesh}");\n' + DRIFT.format(speed=1, weight=0, particles=particles, more=BESIDE.format())
+    driver = (ROOT / "scripts/resolved.edp").read_text().split('if (scheme == "published") {')[0]  # which has no frames
+    text = text.replace('include "scripts/resolved.edp"', driver)
+    done = freefem_text(text, "-mesh", mesh, "-dt", 0.01, "-cfl", 0, "-tend", 0.1, "-out", tmp_path / "run")
+    rows = np.array([line.split()[1:] for line in done.stdout.splitlines() if line.startswith("beside")], float)
+    assert len(rows) == 10 and np.all(rows[2:, 0] == 1)
+    assert np.all(rows[2:, 1] > 0.8) and np.all(rows[2:, 2] < 1e-3)
+    assert np.all(rows[2:, 3:] == [1, 1, 0])
