@@ -30,9 +30,10 @@ def test_a_load_of_the_weight_moves_a_disk_as_the_weight_does(freefem_text, tmp_
         np.testing.assert_allclose(runs[1].table("forces")[column], runs[0].table("forces")[column], atol=1e-9)
 
 
-def test_a_disk_that_is_pushed_to_and_fro_moves_as_it_must(freefem_text, tmp_path):
+@pytest.mark.parametrize("density, within", [(2, 0.015), (0.1, 0.015)])  # the light one was 3.3 % off while its virtual mass lagged by a step
+def test_a_disk_that_is_pushed_to_and_fro_moves_as_it_must(density, within, freefem_text, tmp_path):
     """In a container, amplitude some hundredths of its radius: m dU/dt = load + fluid, the fluid's share exact (tests/test_given_motion.py)."""
-    steps, push, density = 60, 0.1, 2
+    steps, push = 60, 0.1
     text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(160)), "{tmp_path / "round.mesh"}");\n'
     text += scene(f"bodyDisk(0.003, 0.007, 0.2, {density});", f"bodyPush(0, {push}*cos(2*pi*(now)), 0, 0);", mu=0.02, walls="labelWall")
     freefem_text(text, "-mesh", tmp_path / "round.mesh", "-convection", 0, "-every", 0, "-dt", 1 / steps, "-cfl", 0, "-tend", 4, "-out", tmp_path / "run")
@@ -42,7 +43,19 @@ def test_a_disk_that_is_pushed_to_and_fro_moves_as_it_must(freefem_text, tmp_pat
     found = 2 * np.mean(rows["u"][last] * np.exp(-2j * np.pi * rows["t"][last]))
     rate = 2 * np.pi
     exact = push / (1j * rate * density * np.pi * 0.2**2 - force(0.2, 1, 1, 0.02, rate))
-    assert abs(found / exact - 1) < 0.03, found / exact
+    assert abs(found / exact - 1) < within, found / exact
+
+
+def test_a_light_disk_on_a_spring_comes_to_rest(freefem_text, tmp_path):
+    """A tenth of the fluid's density, 27 steps a period: its swings as long as with 104 steps. The lag of its virtual mass made them die down half as fast as they must."""
+    left = {}
+    for steps in (27, 104):
+        text = scene("bodyAdd(0.53, 0.5, 0.1, 0.1, 0, 0, 0, 1);", "bodyPush(0, 1.364*(0.5 - bodyAtX(0)), 0, 0);", mu=5e-4)
+        freefem_text(text, "-dt", 1 / steps, "-cfl", 0, "-every", 0, "-tend", 4, "-out", tmp_path / f"run_{steps}")
+        rows = RunFolder(tmp_path / f"run_{steps}").particles
+        left[steps] = abs(rows["x"][rows["t"] > 3] - 0.5).max()
+    assert left[104] < 0.005
+    assert left[27] == pytest.approx(left[104], rel=0.25)
 
 
 def test_a_heavy_disk_on_a_spring_swings_with_its_own_period(freefem_text, tmp_path):
