@@ -10,6 +10,12 @@ ROOT = Path(__file__).resolve().parent.parent
 FREEFEM = os.environ.get("FREEFEM", "FreeFem++")
 
 
+def standard_alone(text):
+    """A resolved case's text with the standard scheme's part of the driver only: what a test asks of that scheme the published one does not have."""
+    driver = (ROOT / "scripts/resolved.edp").read_text().split('if (scheme == "published") {')[0]
+    return text.replace('include "scripts/resolved.edp"', driver)
+
+
 def run_freefem(script, *args, check=True, timeout=300):
     """Runs FreeFem++ -nw SCRIPT ARGS in the root, with one BLAS thread.
 

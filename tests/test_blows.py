@@ -2,9 +2,9 @@
 import numpy as np
 import pytest
 
+from tests.conftest import standard_alone
 from tests.test_boundaries import case
 from tests.test_particles import rows
-from tools.command import ROOT
 from tools.run_folder import RunFolder
 
 
@@ -73,8 +73,7 @@ def test_the_flow_of_a_blow_has_the_added_mass_of_an_ideal_fluid(place, jump, ex
     mesh = tmp_path / "round.mesh"
     text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(200)), "{mesh}");\n'
     text += case(f"bodyDisk({place[0]}, {place[1]}, 0.2, 2);", walls="labelWall", more=PUSH.replace("JUMP", f"{jump[0]}., {jump[1]}."))
-    driver = (ROOT / "scripts/resolved.edp").read_text().split('if (scheme == "published") {')[0]  # which has no blowFlow
-    text = text.replace('include "scripts/resolved.edp"', driver)
+    text = standard_alone(text)
     done = freefem_text(text, "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
     added = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("added")).split()[1:]]
     assert -np.dot(added, jump) / (np.pi * 0.04) == pytest.approx(exact, rel=within)
@@ -118,8 +117,7 @@ def test_what_unresolved_gaps_push_out_stays_in_the_sum(bodies, freefem_text, tm
     mesh = tmp_path / "round.mesh"
     text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(160)), "{mesh}");\n'
     text += case(bodies, walls="labelWall", more=GAPS)
-    driver = (ROOT / "scripts/resolved.edp").read_text().split('if (scheme == "published") {')[0]
-    text = text.replace('include "scripts/resolved.edp"', driver)
+    text = standard_alone(text)
     done = freefem_text(text, "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
     number, rounds, lost, kept, far = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("gaps")).split()[1:]]
     constant, slope = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("filled")).split()[1:]]

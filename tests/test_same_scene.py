@@ -2,8 +2,7 @@
 import numpy as np
 import pytest
 
-from tests.conftest import run_freefem
-from tools.command import ROOT
+from tests.conftest import run_freefem, standard_alone
 from tools.mesh_files import read_mesh
 from tools.meshing.medit import write
 from tools.meshing.plane_mesh import PlaneMesh
@@ -174,8 +173,7 @@ def test_disks_near_another_body_and_ellipses_have_no_frame(others, taking, free
     mesh = tmp_path / "box.mesh"
     particles = "{ bodyAdd(0.31, 0.42, 0.12, 1.5, 1, 0, 0, 1); " + others + " }"
     text = f'savemesh(square(32, 32, flags = 3), "{mesh}");\n' + DRIFT.format(speed=1, weight=0, particles=particles, more=SEEN)
-    driver = (ROOT / "scripts/resolved.edp").read_text().split('if (scheme == "published") {')[0]  # which has no frames
-    text = text.replace('include "scripts/resolved.edp"', driver)
+    text = standard_alone(text)
     done = freefem_text(text, "-mesh", mesh, "-dt", 0.01, "-cfl", 0, "-tend", 0.05, "-out", tmp_path / "run")
     rows = [line.split()[1:] for line in done.stdout.splitlines() if line.startswith("seen")]
     assert [[int(word) for word in row] for row in rows[2:]] == 3 * [taking]
