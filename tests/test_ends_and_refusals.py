@@ -117,6 +117,26 @@ def test_an_input_in_the_folder_of_the_run_is_not_overwritten(freefem, freefem_r
     assert file.exists() and (tmp_path / "run/particles.csv").exists()
 
 
+def test_a_folder_that_the_run_reads_is_not_overwritten(freefem, freefem_refused, tmp_path):
+    """As -flow of pipe_transport; -out itself is not read."""
+    script = """include "lib/output.idp"
+optCase("reader", "reads a folder");
+string folder = optFile("-flow", "", "folder of a run");
+outDeclare();
+optEnd();
+outBegin("");
+outEnd(1., 1, "finished");
+"""
+    (tmp_path / "reader.edp").write_text(script)
+    words = [tmp_path / "reader.edp", "-out", tmp_path / "run"]
+    freefem(*words)
+    (tmp_path / "run/steady_flow.txt").write_text("precious")
+    assert "-overwrite 1 would delete what -flow reads" in freefem_refused(3, *words, "-overwrite", 1, "-flow", f"{tmp_path}/run/")
+    assert (tmp_path / "run/steady_flow.txt").exists() and (tmp_path / "run/run.json").exists()
+    freefem(*words, "-overwrite", 1)
+    assert not (tmp_path / "run/steady_flow.txt").exists()
+
+
 def test_a_pipe_of_another_size_than_its_mesh_is_refused(freefem_refused):
     for words in (["-radius", "0.2"], ["-length", "5"]):
         assert "not what -length and -radius say" in freefem_refused(3, "cases/pipe_obstacles.edp", *words)
