@@ -185,6 +185,22 @@ def test_a_flow_that_the_mesh_does_not_resolve_is_told(reynolds, warned, meshes,
         assert fluid["unresolved"].max() < 0.1 and "dissipation" not in run.stdout
 
 
+def test_the_dissipation_before_the_first_stabilisation_counts(freefem_text, run_folder):
+    """In the sums of the run, of which the warning is; the stream speeds up from rest."""
+    text = """
+macro caseStep()
+    if (stabiliseVersion == 0) dissipated += mu*flowSquare(flowK, flowU, flowV);
+    cout << "SUMS " << stabiliseVersion << " " << dissipated << " " << resolutionViscous << endl;
+// EOM
+real dissipated = 0;
+include "cases/poiseuille.edp"
+"""
+    out = freefem_text(text, "-dt", 0.01, "-every", 0, "-tend", 0.05, "-out", run_folder).stdout
+    rows = [line.split()[1:] for line in out.splitlines() if line.startswith("SUMS")]
+    assert len(rows) >= 5 and int(rows[-1][0]) == 0 < float(rows[-1][1])
+    assert float(rows[-1][2]) == pytest.approx(float(rows[-1][1]), rel=1e-4)
+
+
 @pytest.fixture(scope="module")
 def cylinder(meshes, tmp_path_factory):
     """A short run past a cylinder on a coarse mesh."""
