@@ -122,6 +122,19 @@ def test_a_body_that_never_comes_or_moves_freely_then_is_refused(more, complaint
     assert done.returncode == 3 and complaint in done.stderr and len(done.stderr.strip().splitlines()) == 1
 
 
+@pytest.mark.parametrize("asked, there", [(10, True), (3, True), (11, True), (5, False), (0, False), (12, False)])
+def test_ids_of_a_file_may_leave_gaps_where_nobody_is(asked, there, freefem_text, tmp_path):
+    """Particle 10 stays, 3 leaves, 11 is still to come; a restart knows them, too."""
+    (tmp_path / "disks.csv").write_text("id,x,y,radius,density,u\n10,0.4,0.3,0.1,2,0\n3,0.99,0.3,0.1,2,9\n")
+    text = scene("queueAdd(0.75, 0.1, 2, 9);", f"if (now > 0.045) bodyPush({asked}, 0, 0, 0);", **STREAM)
+    text = text.replace("int[int] flowNoSlip", "macro boundaryU() (4*y*(1 - y)) // EOM\nint[int] flowNoSlip")
+    words = ["-particles", tmp_path / "disks.csv", "-cfl", 0, "-every", 0, "-checkpoint", 4, "-tend"]
+    freefem_text(text, *words, 0.04, "-out", tmp_path / "run")
+    assert RunFolder(tmp_path / "run").fluid["particles"][-1] == 1
+    done = freefem_text(text, *words, 0.05, "-restart", tmp_path / "run", check=False)
+    assert done.returncode == (0 if there else 3) and (there or f"caseLoads pushes particle {asked}, which there is not" in done.stderr)
+
+
 def test_the_published_scheme_refuses_loads(freefem_text, tmp_path):
     done = freefem_text(scene("bodyDisk(0.4, 0.6, 0.12, 2);", "bodyPush(0, 1, 0, 0);"), "-scheme", "published", "-tend", 0.1, "-out", tmp_path / "run", check=False)
     assert done.returncode == 3 and "caseLoads" in done.stderr and not (tmp_path / "run").exists()
