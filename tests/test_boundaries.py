@@ -48,6 +48,29 @@ def test_a_turning_cylinder_stops_a_disk(freefem_text, tmp_path):
     assert distance.min() < 0.4 + 0.12 + 0.002
 
 
+def one_label(mesh):
+    """A unit square with the label 3 on all sides."""
+    return f'int[int] three = [3, 3, 3, 3];\nsavemesh(square(16, 16, label = three), "{mesh}");\n'
+
+
+def drum(mesh, chords=42):
+    """A circle with the label 3; of 42 chords one at the top and one at the bottom lie level."""
+    return f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c({chords})), "{mesh}");\n'
+
+
+@pytest.mark.parametrize("make, u, v, refused", [
+    (one_label, "-1.", "0.", True), (one_label, "1.", "1.", False), (one_label, "1. - 2*(x - 0.5)*(y - 0.5)", "0.", True),
+    (drum, "1.", "0.", False), (drum, "-y", "x", False), (drum, "(x > 0 ? 0. : -y)", "(x > 0 ? 1. : x)", True),
+])
+def test_a_label_of_sides_that_let_through_and_sides_that_do_not_is_refused(make, u, v, refused, freefem_text, tmp_path):
+    """The latter would let the particles through."""
+    mesh = tmp_path / "domain.mesh"
+    text = make(mesh) + case("bodyDisk(0.4, 0.4, 0.12, 3);", walls="", moving="3", more=f"macro boundaryU() ({u}) // EOM\nmacro boundaryV() ({v}) // EOM")
+    done = freefem_text(text, "-mesh", mesh, "-tend", 0.02, "-out", tmp_path / "run", check=False)
+    assert done.returncode == (3 if refused else 0), done.stderr
+    assert ("label 3 (flowMoving) is flowed through at some sides" in done.stderr) == refused
+
+
 @pytest.mark.parametrize("place", ["0, 0", "0.05, 0.1"])
 def test_a_disk_in_the_hole_of_a_ring_is_refused(place, freefem_text, tmp_path):
     mesh = tmp_path / "ring.mesh"
