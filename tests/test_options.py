@@ -126,6 +126,14 @@ def test_a_default_of_no_option_is_refused(freefem_text, tmp_path):
     assert done.returncode == 3 and "default of -dtt" in done.stderr and not (tmp_path / "run").exists()
 
 
+@pytest.mark.parametrize("name, says", [("-tolerance", "declared twice"), ("-stabilise", "declared twice"), *((name, "FreeFEM's own") for name in ("-v", "-log", "-f", "-ns", "-wait", "-jc", "-?", "-help"))])
+def test_an_option_of_a_name_that_is_taken_is_refused(name, says, freefem_text, tmp_path):
+    text = Path("cases/template.edp").read_text().replace('"-diameter"', f'"{name}"')
+    done = freefem_text(text, "-out", tmp_path / "run", check=False)
+    lines = done.stderr.strip().splitlines()
+    assert done.returncode == 3 and len(lines) == 1 and f"the option {name} " in lines[0] and says in lines[0] and not (tmp_path / "run").exists()
+
+
 def test_the_name_of_a_case_names_a_folder(freefem_text):
     done = freefem_text(SCRIPT.replace('"trial"', '"my/trial"'), check=False)
     assert done.returncode == 3 and "holds a /" in done.stderr
