@@ -48,6 +48,14 @@ def test_a_turning_cylinder_stops_a_disk(freefem_text, tmp_path):
     assert distance.min() < 0.4 + 0.12 + 0.002
 
 
+@pytest.mark.parametrize("body", ["bodyHeld(bodyDisk(0.5, {y}, 0.12, 3));", "bodyPinned(bodyEllipse(0.5, {y}, 0.12, 0.1, 0, 3));", "bodyDisk(0.5, {y}, 0.12, 3);"])
+def test_a_body_cut_by_a_plane_of_symmetry_is_told_so(body, freefem_text, tmp_path):
+    for y, said in ((0, "particle 0 is cut by the plane of symmetry, which no body may be, from ("), (1, "particle 0 overlaps the wall from (")):
+        text = case(body.format(y=y), walls="labelLeft, labelRight, labelTop", slip="labelBottom")
+        done = freefem_text(text, "-out", tmp_path / "run", check=False)
+        assert done.returncode == 5 and said in done.stderr and ("plane" in done.stderr) == (y == 0), done.stderr
+
+
 def one_label(mesh):
     """A unit square with the label 3 on all sides."""
     return f'int[int] three = [3, 3, 3, 3];\nsavemesh(square(16, 16, label = three), "{mesh}");\n'
