@@ -56,6 +56,17 @@ def test_a_body_cut_by_a_plane_of_symmetry_is_told_so(body, freefem_text, tmp_pa
         assert done.returncode == 5 and said in done.stderr and ("plane" in done.stderr) == (y == 0), done.stderr
 
 
+@pytest.mark.parametrize("bound, bodies, status, said", [
+    (0.3, "bodyDisk(0.2, 0.5, 0.12, 3); bodyDisk(0.5, 0.5, 0.12, 3);", 5, "particle 1 at (0.5, 0.5) lies wholly beyond x = 0.3 (motionBound)"),
+    (0.4, "bodyDisk(0.2, 0.5, 0.12, 3); bodyDisk(0.5, 0.5, 0.12, 3);", 0, ""),
+    (-1, "queueAdd(0.5, 0.12, 3, 9);", 3, "a waiting particle enters at x = 0.126, wholly beyond x = -1 (motionBound)"),
+])
+def test_particles_that_would_be_taken_out_at_once_are_refused(bound, bodies, status, said, freefem_text, tmp_path):
+    text = case(bodies, walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() (0.01*4*y*(1 - y)) // EOM")
+    done = freefem_text(text.replace("motionBound = 1e30", f"motionBound = {bound}"), "-tend", 0.01, "-out", tmp_path / "run", check=False)
+    assert done.returncode == status and said in done.stderr and len(done.stderr.strip().splitlines()) == (status > 0)
+
+
 def one_label(mesh):
     """A unit square with the label 3 on all sides."""
     return f'int[int] three = [3, 3, 3, 3];\nsavemesh(square(16, 16, label = three), "{mesh}");\n'
