@@ -68,7 +68,7 @@ def test_a_run_that_fails_is_a_row_and_the_rest_goes_on(tmp_path):
 @pytest.mark.parametrize("measured,options,passed", [
     (1.01, {"rtol": 0.011}, True), (1.01, {"rtol": 0.009}, False), (1.01, {"atol": 0.02}, True), (3, {"at_most": 3}, True),
     (3, {"at_most": 2}, False), (3, {"at_least": 2}, True), (math.nan, {"rtol": 1}, False), (math.inf, {"at_most": 1}, False),
-    (math.nan, {"at_most": 1}, False), (math.nan, {"at_least": 1}, False)])
+    (math.nan, {"at_most": 1}, False), (math.nan, {"at_least": 1}, False), (math.inf, {"at_least": 2}, False), (-math.inf, {"at_most": 1}, False)])
 def test_judging(measured, options, passed):
     assert judge(1.0, measured, **options)[0] is passed
 

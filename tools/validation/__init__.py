@@ -59,14 +59,16 @@ class Run:
 def judge(target, measured, rtol=None, atol=None, at_most=None, at_least=None):
     """(passed, what was allowed in words) of a measured number; not finite never passes."""
     if at_most is not None:
-        return bool(measured <= at_most), f"at most {at_most:g}"
-    if at_least is not None:
-        return bool(measured >= at_least), f"at least {at_least:g}"
-    if atol is not None:
-        return bool(abs(measured - target) <= atol), f"+- {atol:g}"
-    if rtol is None:
+        within, allowed = measured <= at_most, f"at most {at_most:g}"
+    elif at_least is not None:
+        within, allowed = measured >= at_least, f"at least {at_least:g}"
+    elif atol is not None:
+        within, allowed = abs(measured - target) <= atol, f"+- {atol:g}"
+    elif rtol is not None:
+        within, allowed = abs(measured - target) <= rtol * abs(target), f"+- {100 * rtol:g} %"
+    else:
         raise ValueError("a row needs rtol, atol, at_most or at_least")
-    return bool(abs(measured - target) <= rtol * abs(target)), f"+- {100 * rtol:g} %"
+    return bool(within and math.isfinite(measured)), allowed
 
 
 class Context:
