@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-ROOT = Path(__file__).resolve().parent.parent
+from conftest import FREEFEM, ROOT
 
 SCRIPT = """
 load "iovtk"
@@ -92,7 +92,7 @@ def write_run(folder, number=12, t_end=1.0, steps=100, seed=1, speed=0.9, fields
         text = SCRIPT.replace("NUMBER", str(n)).replace("FIELDS", str(fields)).replace("TEND", repr(float(t_end)))
         (folder / "made_up.edp").write_text(text.replace("BINARY", "true" if binary else "false"))
         shutil.copy(ROOT / "freefem++.pref", folder)
-        done = subprocess.run(["FreeFem++", "-nw", "made_up.edp"], cwd=folder, capture_output=True, text=True)
+        done = subprocess.run([FREEFEM, "-nw", "made_up.edp"], cwd=folder, capture_output=True, text=True)
         assert done.returncode == 0, done.stdout + done.stderr
     return folder
 

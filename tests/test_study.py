@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from conftest import FREEFEM
 from tests.synthetic import ROOT, write_run
 from tools import convergence, quantities, study, study_figure, study_report
 from tools.command import BadInput
@@ -44,7 +45,7 @@ def square_mesh(which, size):
     n = round(1 / size)
     script = path.with_suffix(".edp")
     script.write_text(f'savemesh(square({n}, {n}), "{path}");\n')
-    subprocess.run(["FreeFem++", "-nw", str(script)], check=True, capture_output=True)
+    subprocess.run([FREEFEM, "-nw", str(script)], check=True, capture_output=True)
     return path
 
 
