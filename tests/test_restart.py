@@ -97,11 +97,21 @@ def test_a_damaged_checkpoint_is_passed_over(mesh, unbroken, tmp_path):
 
 
 def test_maxwall_ends_with_a_checkpoint(mesh, unbroken, tmp_path):
+    """Between two of -checkpoint, after its first step and among twelve disks: what goes on is the unbroken run to rounding."""
     run = run_freefem(CASE, *mesh, *WHOLE, "-out", tmp_path / "run", "-maxwall", "0.001")
     assert "stopped by -maxwall" in run.stdout
     assert len((tmp_path / "run" / "fluid.csv").read_text().splitlines()) == 2
-    again = run_freefem(CASE, *mesh, *WHOLE, "-restart", tmp_path / "run")
-    assert "goes on from t" in again.stdout and "finished" in again.stdout
+    shutil.copytree(unbroken, tmp_path / "late", ignore=shutil.ignore_patterns(".writer"))
+    max((tmp_path / "late").glob("restart_*.sha")).unlink()
+    late = run_freefem(CASE, *mesh, *WHOLE, "-restart", tmp_path / "late", "-maxwall", "0.001")
+    assert "stopped by -maxwall" in late.stdout and "after 61 steps" in late.stdout
+    expected = numbers(unbroken, "particles.csv")
+    for name in ("run", "late"):
+        again = run_freefem(CASE, *mesh, *WHOLE, "-restart", tmp_path / name)
+        assert "goes on from t" in again.stdout and "finished" in again.stdout
+        got = numbers(tmp_path / name, "particles.csv")
+        for column in expected:
+            np.testing.assert_allclose(got[column], expected[column], rtol=0, atol=1e-9 * abs(expected[column]).max(), err_msg=column)
 
 
 def test_what_cannot_go_on_is_refused(mesh, unbroken, tmp_path):
