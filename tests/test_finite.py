@@ -70,4 +70,6 @@ def test_a_wrong_solver_is_seen_by_its_nan(freefem_text):
 def test_no_guard_trusts_the_largest_entry():
     bad = [f"{path.name}: {line.strip()}" for folder in ("lib", "scripts") for path in sorted((ROOT / folder).glob("*.*")) for line in path.read_text().splitlines()
            if re.search(r"!\([^)]*\.(linfty|min|max)\b", line) and "arrayFinite" not in line]
-    assert [line for line in bad if not line.startswith(("motion.idp", "particles.idp"))] == []
+    # a short cut, which a nan does not take; radii and densities that arrayFinite has seen in the line before
+    known = ("motion.idp: int beside = ", "particles.idp: if (!(particleRadius.min > 0 ", "particles.idp: if (!(particleDensity.min > 0 ")
+    assert [line for line in bad if not line.startswith(known)] == []
