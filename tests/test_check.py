@@ -163,6 +163,15 @@ def test_bad_tables_are_refused_in_words(tmp_path, text, words):
         compare(tmp_path / "bad.csv", good)
 
 
+def test_runs_that_were_cut_off_are_refused_on_either_side(run, tmp_path):
+    path = write_run(tmp_path / "cut") / "fluid.csv"
+    path.write_text(path.read_text()[:-3])
+    table(tmp_path / "reference.csv", [0, 1], [1, 1], name="particles")
+    for one, other in ((run, tmp_path / "cut"), (tmp_path / "cut", run), (tmp_path / "cut", tmp_path / "reference.csv")):
+        with pytest.raises(BadInput, match="fluid.csv, line 102: the line has no end"):
+            compare(one, other)
+
+
 @pytest.mark.parametrize("columns", [["u:x"], ["u:1:2:3"], ["u:-1"], ["u:nan"], [":1"], ["u", "u"], [], ["w"]])
 def test_bad_columns_are_refused(tmp_path, columns):
     good = table(tmp_path / "good.csv", [0, 1], [1, 2])

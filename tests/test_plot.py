@@ -201,6 +201,25 @@ def test_a_row_cut_short_is_named(tmp_path):
         read_table(tmp_path / "x.csv")
 
 
+def test_a_table_of_a_run_that_was_cut_off_anywhere_is_refused(tmp_path):
+    """Within the last number too, which can be read then; a table of another hand may lack the end of its last line."""
+    text, path = "t,x,radius\n0,0,0.0125\n1,0,0.0125\n", tmp_path / "particles.csv"
+    for cut in range(1, len(text)):
+        path.write_text(text[:cut])
+        if text[cut - 1] == "\n":
+            assert len(RunFolder(tmp_path).table("particles")["t"]) == text[:cut].count("\n") - 1
+        else:
+            with pytest.raises(BadInput, match=f"particles.csv, line {text[:cut].count(chr(10)) + 1}: the line has no end"):
+                RunFolder(tmp_path).table("particles")
+    assert read_table(path)["radius"].tolist() == [0.0125, 0.0125]
+
+
+def test_a_number_with_a_sharp_in_it_is_none(tmp_path):
+    (tmp_path / "x.csv").write_text("t,u\n0,1\n1,0.01#25\n")
+    with pytest.raises(BadInput, match="line 3: column u needs a number, not '0.01#25'"):
+        read_table(tmp_path / "x.csv")
+
+
 @pytest.mark.parametrize("break_it,words", [
     (lambda f: (f / "mesh.mesh").write_text("Vertices\n3\n0 0"), "mesh"),
     (lambda f: (f / "mesh.mesh").write_bytes(b"\xff\xfe\x00"), "mesh"),

@@ -159,7 +159,7 @@ def pairs_of_tables(run, reference, wanted):
             names = [run.stem] if run.stem in names else names[:1]
         if not names:
             raise BadInput(f"{reference} holds none of " + ", ".join(f"{name}.csv" for name in TABLES))
-        references = {name: read_table(reference / f"{name}.csv") for name in names}
+        references = {name: read_table(reference / f"{name}.csv", of_run=True) for name in names}
         if wanted is not None:
             references = {name: table for name, table in references.items() if set(wanted) & set(table)}
         pairs = []
@@ -167,13 +167,13 @@ def pairs_of_tables(run, reference, wanted):
             path = run if run.is_file() else run / f"{name}.csv"
             if not path.is_file():
                 raise BadInput(f"the run {run} has no {name}.csv to compare with the reference")
-            pairs.append((path.name, read_table(path), table))
+            pairs.append((path.name, read_table(path, of_run=run.is_dir()), table))
         return pairs
     table = read_table(reference)
     if run.is_file():
         return [(run.name, read_table(run), table)]
     needed = (set(wanted) if wanted is not None else set(table)) | (set(KEYS) & set(table))
-    found = [(name, read_table(run / f"{name}.csv")) for name in TABLES if (run / f"{name}.csv").is_file()]
+    found = [(name, read_table(run / f"{name}.csv", of_run=True)) for name in TABLES if (run / f"{name}.csv").is_file()]
     if not found:
         raise BadInput(f"{run} is not a run folder: it holds none of " + ", ".join(f"{name}.csv" for name in TABLES))
     fits = [(name, one) for name, one in found if needed - set(one) <= {n for n in needed if n.startswith("t_")}]

@@ -139,7 +139,7 @@ class RunFolder:
         """The columns of NAME.csv; finite: nan and inf are refused."""
         if not self.has(name):
             raise BadInput(f"the run {self.folder} has no {name}.csv")
-        return read_table(self.folder / f"{name}.csv", finite)
+        return read_table(self.folder / f"{name}.csv", finite, of_run=True)
 
     def columns(self, name, *needed):
         """The columns of NAME.csv to draw or to count: the needed ones (and those of NEEDED) are there, all values finite."""

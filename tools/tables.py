@@ -10,16 +10,19 @@ import numpy as np
 from tools.command import BadInput
 
 
-def read_table(path, finite=False):
+def read_table(path, finite=False, of_run=False):
     """The columns of a CSV file as {name: array}. A last row cut short (a run killed
     while writing on a full disk) is an error like any other: rows are whole or wrong.
-    finite: nan and inf are errors too."""
+    finite: nan and inf are errors too. of_run: a run wrote it, which ends every line; a last
+    line without its end may be cut within a number."""
     try:
         with open(path, newline="", encoding="utf-8-sig") as stream:
-            lines = [(number, line) for number, line in enumerate(stream, 1)
-                     if line.strip() and not line.lstrip().startswith("#")]
+            lines = list(enumerate(stream, 1))
     except (OSError, UnicodeDecodeError) as problem:
         raise BadInput(f"cannot read the table {path}: {problem}") from None
+    if of_run and lines and not lines[-1][1].endswith("\n"):
+        raise BadInput(f"{path}, line {lines[-1][0]}: the line has no end; the run was cut off while it wrote it (or writes it now): go on with -restart, or take the line out")
+    lines = [(number, line) for number, line in lines if line.strip() and not line.lstrip().startswith("#")]
     if not lines:
         raise BadInput(f"the table {path} is empty: it needs a header row")
     names = [name.strip() for name in next(csv.reader([lines[0][1]]))]
@@ -31,7 +34,7 @@ def read_table(path, finite=False):
     if not body:
         return {name: np.empty(0) for name in names}
     try:
-        values = np.loadtxt([line for _, line in body], delimiter=",", ndmin=2)
+        values = np.loadtxt([line for _, line in body], delimiter=",", comments=None, ndmin=2)
         if values.shape[1] == len(names):
             for row, column in np.argwhere(~np.isfinite(values))[:1] if finite else ():
                 raise BadInput(f"{path}, line {body[row][0]}: {names[column]} is {values[row, column]}, not a finite number")

@@ -10,7 +10,6 @@ import numpy as np
 
 from tools.mesh_files import OPEN
 from tools.meshing.labels import LABELS
-from tools.tables import read_table
 
 PAIRED = {0: (LABELS["left"], LABELS["right"]), 1: (LABELS["bottom"], LABELS["top"])}
 CHUNK = 2_000_000  # entries of an array at a time
@@ -47,9 +46,8 @@ def ellipse_pair(table, i, j, aspect, shift):
 def solid_segments(run, period=(0.0, 0.0)):
     """(S, 4) walls of a run folder: walls.csv, else the edges of mesh.mesh that are neither
     open ends nor sides with an image."""
-    walls = Path(run.folder) / "walls.csv"
-    if walls.is_file():
-        table = read_table(walls)
+    if run.has("walls"):
+        table = run.table("walls")
         return np.column_stack([table[name] for name in ("x1", "y1", "x2", "y2")])
     if not (Path(run.folder) / "mesh.mesh").is_file():
         return np.zeros((0, 4))
