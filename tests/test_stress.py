@@ -252,6 +252,16 @@ def test_a_map_is_run_classed_drawn_and_goes_on_where_it_was(tmp_path):
     assert len(stress.failures([(one, grid, rows)])) == 1
 
 
+def test_a_cell_on_the_mesh_of_its_case_is_run_again_when_that_has_changed(tmp_path):
+    script, mesh = tmp_path / "toy.edp", tmp_path / "own.mesh"
+    script.write_text(f'// optDefault("-mesh", "{mesh}");\n' + LOOP)
+    one, fresh = toy(script, [1.0]), []
+    for text in ("1", "1", "2"):
+        mesh.write_text(text)
+        fresh.append(run_map(one, tmp_path, True, say=lambda line: None)[1][1.0, 0]["fresh"])
+    assert fresh == [True, False, True]
+
+
 def test_a_record_cut_short_is_run_again(tmp_path):
     script = tmp_path / "toy.edp"
     script.write_text(LOOP)

@@ -20,7 +20,7 @@ from tools import convergence, quantities, study, study_figure, study_report
 from tools.command import BadInput
 from tools.mesh_files import read_mesh
 from tools.run_folder import RunFolder
-from tools.runner import run_command
+from tools.runner import fingerprint, run_command
 
 # A stand-in for a case: its disk falls at -5.5 (1 + 0.3 h^2 + 2 dt^2), and it can fail.
 SCRIPT = """
@@ -88,8 +88,19 @@ def test_what_a_run_depends_on_holds_the_contents_of_its_inputs(case, tmp_path):
     keys = []
     for text in ("id,x,y\n1,0,0\n", "id,x,y\n1,0,1\n"):
         file.write_text(text)
-        keys.append(study.fingerprint(str(case), {"-particles": str(file), "-model": "laminar"}))
-    assert keys[0] != keys[1] == study.fingerprint(str(case), {"-particles": str(file), "-model": "laminar"})
+        keys.append(fingerprint(str(case), {"-particles": str(file), "-model": "laminar"}))
+    assert keys[0] != keys[1] == fingerprint(str(case), {"-particles": str(file), "-model": "laminar"})
+
+
+@pytest.mark.parametrize("line", ['optDefault("-mesh", "{}");', 'string meshFile = optFile("-mesh", "{}", "mesh");', 'macro caseCarrier() steadyCarrier(flowFolder, "{}", flowWords) // EOM'])
+def test_what_a_run_depends_on_holds_the_files_that_its_case_names(case, tmp_path, line):
+    """Its mesh of default, the case that computes the flow it takes over."""
+    named, keys = tmp_path / ("flow.edp" if "steady" in line else "own.mesh"), []
+    case.write_text(line.format(named) + SCRIPT)
+    for text in ("1", "2", "2"):
+        named.write_text(text)
+        keys.append(fingerprint(str(case), {"-dt": 0.1}))
+    assert keys[0] != keys[1] == keys[2]
 
 
 def test_a_failed_run_is_a_row_with_its_reason(case, tmp_path, capsys):

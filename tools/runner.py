@@ -8,6 +8,8 @@ BadInput where FreeFEM or the script is not there; a run that fails is not an er
 """
 import concurrent.futures
 import contextlib
+import hashlib
+import json
 import os
 import re
 import shutil
@@ -23,6 +25,7 @@ from tools.command import ROOT, BadInput
 
 MEASURE = Path(__file__).with_name("measure.py")
 LIVE = set()  # the runs under way, for end_all
+SOURCES = ("lib/*.idp", "scripts/*.edp", "scripts/*.idp")
 STATUSES = {1: "syntax error", 2: "a plug-in cannot be loaded", 3: "bad option or input file", 4: "solver failure",
             5: "inadmissible scene", 6: "assertion inside FreeFEM", 8: "error at run time"}
 
@@ -69,6 +72,19 @@ def option_words(options):
         words += [name, f"{value:.17g}" if isinstance(value, float) and value != float(f"{value:.12g}")
                   else f"{value:.12g}" if isinstance(value, float) else str(value)]
     return words
+
+
+def fingerprint(script, options):
+    """What a run depends on, as a short hash: script, libraries, options, the contents of files that options and script name
+    (its default mesh, the case that computes the flow it takes over), program."""
+    files = {name: ROOT / str(value) for name, value in options.items() if (ROOT / str(value)).is_file()}
+    words = [script, [(name, "" if name in files else str(value)) for name, value in sorted(options.items())], freefem()]
+    named = {ROOT / name for name in re.findall(r'"([^"\n]+\.(?:edp|idp|mesh|csv))"', (ROOT / script).read_text(encoding="utf-8"))}
+    sources = {path for pattern in SOURCES for path in ROOT.glob(pattern)}
+    total = hashlib.sha256(json.dumps(words).encode())
+    for path in [ROOT / script, *sorted(sources | {path for path in named if path.is_file()}), *(files[name] for name in sorted(files))]:
+        total.update(path.read_bytes())
+    return total.hexdigest()[:20]
 
 
 def run_case(script, options, out=None, limit=None, cwd=ROOT):

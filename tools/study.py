@@ -23,7 +23,6 @@ keep them by -- -cfl 0.
 Status 0: all runs ended well; 1: some failed; 3: bad input.
 """
 import concurrent.futures
-import hashlib
 import itertools
 import json
 import math
@@ -42,7 +41,7 @@ from tools import quantities
 from tools.command import ROOT, BadInput, Parser, guarded
 from tools.mesh_files import read_mesh
 from tools.run_folder import RunFolder
-from tools.runner import commit, cores, freefem, run_case, run_command, side_by_side
+from tools.runner import commit, cores, fingerprint, freefem, run_case, run_command, side_by_side
 from tools.study_report import error_of, extrapolated, name_of, report
 from tools.tables import write_table
 
@@ -50,7 +49,6 @@ COLUMNS = ["case", "meshsize", "dt", "options", "quantity", "value", "reference"
            "cpu_s", "wall_s", "steps", "vertices", "memory_mib", "timing", "commit", "status", "reason", "run"]
 SAME_LENGTH = 1e-6  # of a length: edges this close are of one length
 SAME_PLACE = 1e-9  # of the domain: points this close are one
-SOURCES = ("lib/*.idp", "scripts/*.edp", "scripts/*.idp")
 
 
 @dataclass
@@ -141,17 +139,6 @@ def true_sizes(meshes):
         if same_mesh(found[a], found[b]):
             raise BadInput(f"the sizes {a:.12g} and {b:.12g} make the same mesh: leave one out")
     return {size: true[size] if uniform and size in true and not math.isclose(true[size], size, rel_tol=SAME_LENGTH) else size for size in meshes}
-
-
-def fingerprint(script, options):
-    """What a run depends on, as a short hash: script, libraries, options, the files they name (without -mesh the case's own mesh), program."""
-    total = hashlib.sha256(json.dumps([script, sorted(map(str, options.items())), freefem()]).encode())
-    files = [ROOT / script, *itertools.chain(*(sorted(ROOT.glob(pattern)) for pattern in SOURCES))]
-    own = re.search(r'optDefault\("-mesh", "([^"]+)"\)', files[0].read_text(encoding="utf-8"))
-    inputs = [ROOT / str(value) for value in options.values() if (ROOT / str(value)).is_file()]
-    for path in files + ([ROOT / own[1]] if own and "-mesh" not in options else []) + inputs:
-        total.update(path.read_bytes())
-    return total.hexdigest()[:20]
 
 
 def one_run(study, size, dt, mesh):

@@ -26,8 +26,7 @@ import numpy as np
 from tools.command import ROOT, BadInput, Parser, guarded
 from tools.plotting import PAGE_WIDTH, CURVES, plt, save
 from tools.run_folder import RunFolder
-from tools.runner import run_case, side_by_side
-from tools.study import fingerprint
+from tools.runner import fingerprint, run_case, side_by_side
 from tools.tables import write_table
 
 CASE = "cases/pipe_transport.edp"

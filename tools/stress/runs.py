@@ -1,6 +1,5 @@
 """Runs the cells of a map, each once, within its CPU time; what is done is read, not run again."""
 import concurrent.futures
-import hashlib
 import json
 import math
 import os
@@ -11,14 +10,13 @@ from pathlib import Path
 
 import numpy as np
 
-from tools.command import ROOT, BadInput
+from tools.command import BadInput
 from tools.run_folder import RunFolder
-from tools.runner import Done, commit, freefem, option_words, run_command, side_by_side
+from tools.runner import Done, commit, fingerprint, freefem, option_words, run_command, side_by_side
 from tools.stress.cells import Disks, Mesh
 from tools.stress.classes import GOOD, WORDS, judge
 from tools.tables import write_table
 
-SOURCES = ("lib/*.idp", "scripts/*.edp", "scripts/*.idp")
 NICE = 10  # wall-clock seconds a CPU second may take before a cell counts as hanging
 COLUMNS = ["map", "x", "y", "part", "class", "reason", "error", "tolerance", "overlap_radii", "status", "cpu_s",
            "memory_mib", "commit", "run"]
@@ -30,16 +28,6 @@ def name_of(one, x, y):
     return re.sub(r"[^A-Za-z0-9_.+-]+", "-", text)
 
 
-def fingerprint(cell, files):
-    """What a run depends on, as a short hash: script, libraries, options, files, program."""
-    words = [cell.script, [(name, "" if name in files else str(value)) for name, value in sorted(cell.options.items())], freefem()]
-    total = hashlib.sha256(json.dumps(words).encode())
-    sources = [path for pattern in SOURCES for path in sorted(ROOT.glob(pattern))]
-    for path in [ROOT / cell.script, *sources, *files.values()]:
-        total.update(Path(path).read_bytes())
-    return total.hexdigest()[:20]
-
-
 def run_cell(one, x, y, out, limit):
     """Run a cell, or read what an earlier run of the same sources and options left; returns
     its record: status, reason, log, cost, folder, fresh."""
@@ -49,7 +37,8 @@ def run_cell(one, x, y, out, limit):
     files = {name: value.make(out / "inputs") for name, value in cell.options.items() if isinstance(value, (Mesh, Disks))}
     folder = out / one.name / "runs" / name_of(one, x, y)
     note = folder.with_name(folder.name + ".json")
-    key = fingerprint(cell, files)
+    options = {**cell.options, **files}
+    key = fingerprint(cell.script, options)
     try:
         old = json.loads(note.read_text())
     except (OSError, ValueError):
@@ -60,7 +49,6 @@ def run_cell(one, x, y, out, limit):
     note.unlink(missing_ok=True)
     shutil.rmtree(folder, ignore_errors=True)
     folder.parent.mkdir(parents=True, exist_ok=True)
-    options = {name: str(files[name]) if name in files else value for name, value in cell.options.items()}
     command = ["sh", "-c", 'ulimit -S -t "$0"; exec "$@"', str(max(1, math.ceil(limit))), freefem(), "-nw", cell.script,
                *option_words(options), "-out", str(folder)]
     done = run_command(command, NICE * limit + 60)
