@@ -394,10 +394,28 @@ def test_the_table_is_of_one_scene(tmp_path, capsys):
     assert "nan" not in said and "100.0       -" in said
 
 
-def test_a_steady_flow_that_does_not_come_about_says_why(freefem_refused, tmp_path, monkeypatch):
+@pytest.fixture
+def no_flow(tmp_path, monkeypatch):
+    """The run within the run, which computes the steady flow, fails."""
     fake = tmp_path / "fake"
     fake.write_text("#!/bin/sh\necho step 1\necho 'error: the residual is 3 after 80 factorisations'\nexit 4\n")
     fake.chmod(0o755)
-    monkeypatch.setenv("FREEFEM", str(fake))  # of the run within the run
+    monkeypatch.setenv("FREEFEM", str(fake))
+
+
+def test_a_flow_of_older_sources_is_not_taken(freefem, no_flow, tmp_path):
+    """The folder of a steady flow goes by its case and all that this includes."""
+    part, flow, script, folders = tmp_path / "part.idp", tmp_path / "flow.edp", tmp_path / "mine.edp", []
+    flow.write_text(f'    include "{part}"\n')
+    script.write_text((ROOT / "cases/pipe_transport.edp").read_text().replace("cases/pipe_flow.edp", str(flow)))
+    for text in ("// one", "// one", 'include "lib/errors.idp"'):
+        part.write_text(text)
+        said = freefem(script, "-out", tmp_path / "run", check=False).stdout
+        folders.append(re.search(r"computing the steady flow into (results/pipe_flow/steady_\w{16}) ", said)[1])
+        (ROOT / folders[-1]).rmdir()
+    assert folders[0] == folders[1] != folders[2]
+
+
+def test_a_steady_flow_that_does_not_come_about_says_why(freefem_refused, no_flow, tmp_path):
     line = freefem_refused(4, "cases/pipe_transport.edp", "-flow", tmp_path / "flow", "-out", tmp_path / "run")
     assert "did not come about (status 4): the residual is 3 after 80 factorisations; see /tmp/steady_" in line
