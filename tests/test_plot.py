@@ -333,6 +333,29 @@ def test_the_names_of_the_series_are_no_longer_than_their_axes(tmp_path, monkeyp
     plt.close(drawn[0])
 
 
+def test_a_flow_without_particles_has_no_panels_of_them(tmp_path):
+    folder = write_run(tmp_path / "run", steps=20)
+    table = read_table(folder / "fluid.csv")
+    assert {"number", "worst overlap / radius"} < {panel[0] for panel in plot.series(RunFolder(folder))}
+    for name in ("particles", "contacts"):
+        table[name][:] = 0
+    write_csv(folder / "fluid.csv", table, np.column_stack([*table.values()]))
+    assert [panel[0] for panel in plot.series(RunFolder(folder))] == ["flux (m$^2$/s)", "pressure drop (Pa)", "kinetic energy (J/m)"]
+
+
+def test_the_title_of_paths_of_ellipses_gives_their_long_axis(tmp_path, monkeypatch):
+    folder, drawn = write_run(tmp_path / "run", number=2, steps=20), []
+    table = read_table(folder / "particles.csv")
+    table["radius"][:] = 0.01
+    write_csv(folder / "particles.csv", table, np.column_stack([*table.values()]))
+    monkeypatch.setattr(plot, "save", lambda figure, path: drawn.append(figure))
+    for words in ("diameter", "long axis"):
+        plot.plot_trajectories(RunFolder(folder), None)
+        assert drawn[-1].texts[0].get_text().endswith(f"paths of 2 particles, {words} 0.02 m")
+        plt.close(drawn[-1])
+        write_csv(folder / "shapes.csv", ["id", "major", "minor"], [[0, 0.01, 0.005]])
+
+
 @pytest.mark.parametrize("times", ["inf", "nan", "-0.1", "0.2,1.1"])
 def test_times_of_a_transport_run_lie_within_it(tmp_path, times):
     write_run(tmp_path, steps=10)

@@ -102,7 +102,7 @@ def plot_trajectories(run, path):
     figure, (axes,), bar = panels(1, run.extent, height=6.0)
     diameters = np.array([2 * track["radius"][-1] for track in tracks])
     low, high = diameters.min(), diameters.max()
-    several = high - low > 1e-6 * high
+    several, size = high - low > 1e-6 * high, "long axis" if run.has("shapes") else "diameter"
     scale = plt.Normalize(low, high) if several else plt.Normalize(0.5 * low, 1.5 * high)
     ends, colours, last = [], [], max([track["t"][-1] for track in tracks] + [run.columns(name)["t"].max(initial=0) for name in ("fluid", "steps") if run.has(name)])
     for track, diameter in zip(tracks, diameters):
@@ -123,13 +123,13 @@ def plot_trajectories(run, path):
     draw_outline(axes, run.mesh, run.open)
     frame(axes, run.extent, length)
     if several:
-        figure.colorbar(plt.cm.ScalarMappable(scale, LINE_MAP), cax=bar).set_label(("long axis" if run.has("shapes") else "diameter") + f" ({length})")
+        figure.colorbar(plt.cm.ScalarMappable(scale, LINE_MAP), cax=bar).set_label(f"{size} ({length})")
     else:
         bar.remove()
     inches = figure.get_size_inches()
     number = f"{len(tracks)} particles" if len(tracks) > 1 else "one particle"
     if not several:
-        number += f", diameter {low:.4g} {length}"
+        number += f", {size} {low:.4g} {length}"
     figure.text(0.5, 1 - 0.1 / inches[1], title(run, ("path of " if len(tracks) == 1 else "paths of ") + number, inches[0]), ha="center", va="top", fontsize=10)
     return save(figure, path)
 
@@ -150,7 +150,7 @@ def series(run):
         (f"kinetic energy ({energy})", there(("kinetic_energy", "")), False),
         ("number", there(("particles", "particles inside"), ("contacts", "contacts")), False),
     ]
-    if "worst_gap" in table:
+    if "worst_gap" in table and np.any(table.get("particles", 1)):
         overlap = np.maximum(0.0, -table["worst_gap"])
         smallest = run.particles["radius"].min() if run.has("particles") and len(run.particles["t"]) else None
         overlap[overlap < ROUNDING * (smallest or 1.0)] = 0.0
@@ -159,8 +159,8 @@ def series(run):
     if "divergence" in table and "top_speed" in table:
         speed = np.where(table["top_speed"] > 0, table["top_speed"], np.nan)
         wanted.append(("norm of div u /\nlargest speed", [("", table["divergence"] / speed)], True))
-    def tells(label, curves):  # a closed box has no flux and no pressure drop
-        return any(np.isfinite(v).any() and (v.any() or label not in (wanted[0][0], wanted[1][0])) for _, v in curves)
+    def tells(label, curves):  # a closed box has no flux and no pressure drop, a flow alone no particles
+        return any(np.isfinite(v).any() and (v.any() or label not in (wanted[0][0], wanted[1][0], "number")) for _, v in curves)
     return [panel for panel in wanted if tells(*panel[:2])]
 
 

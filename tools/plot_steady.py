@@ -3,7 +3,8 @@
     python -m tools.plot_steady results/pipe_flow/run_001
 
 Reads fields.vtu, mesh.mesh, wall.csv and zones.csv of a run of scripts/steady_flow.edp and
-writes PNGs into the run folder (or --out FOLDER). Exit status 3 when they are not there.
+writes PNGs into the run folder (or --out FOLDER). Pressures are gauge ones, above the outlet's
+(results.csv holds absolute ones). Exit status 3 when they are not there.
 """
 from pathlib import Path
 
@@ -18,7 +19,7 @@ from tools.run_folder import RunFolder
 # file, label of the colour bar, how the values come from the fields
 PICTURES = [
     ("speed", "speed (m/s)", lambda v: np.hypot(*v["velocity"][:, :2].T)),
-    ("pressure", "pressure (Pa)", lambda v: v["pressure"]),
+    ("pressure", "gauge pressure (Pa)", lambda v: v["pressure"]),
     ("k", "k (m²/s²)", lambda v: v["k"]),
     ("nu_t", "eddy viscosity (m²/s)", lambda v: v["nu_t"]),
 ]
@@ -98,7 +99,7 @@ def draw_walls(run, path):
     both[0].set_ylim(-1.3 * spread, 1.3 * spread)
     if np.max(abs(wall["shear"])) > 1.3 * spread:
         both[0].set_title(f"peaks at sharp edges, up to {np.max(abs(wall['shear'])):.3g} Pa, are cut off", fontsize="small")
-    both[1].set_ylabel("wall pressure (Pa)")
+    both[1].set_ylabel("gauge pressure at walls (Pa)")
     both[1].set_xlabel("x (m); grey bars: reversed flow at walls below (bottom) and above (top)")
     for axes in both:
         axes.grid(True)
