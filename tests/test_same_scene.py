@@ -107,7 +107,7 @@ def test_the_motion_does_not_hang_on_units_place_and_axes(move, as_it_is, channe
 DRIFT = """
 include "lib/options.idp"
 optCase("drift", "a disk falls in a stream that fills two periods");
-real rhoFluid = 1, mu = 0.005, gravityX = 0, gravityY = -1;
+real rhoFluid = 1, mu = {viscosity:.17g}, gravityX = 0, gravityY = -1;
 int[int] flowNoSlip(0), flowMoving(0), flowOutlet(0), flowSlip(0);
 macro flowSpaces() fespace Wh(Th, P2, periodic = [[2, y], [4, y], [1, x], [3, x]]); fespace Qh(Th, P1, periodic = [[2, y], [4, y], [1, x], [3, x]]); // EOM
 macro flowPeriodicLabels() [1, 2, 3, 4] // EOM
@@ -121,18 +121,18 @@ include "scripts/resolved.edp"
 """
 
 
-def fall(freefem_text, folder, speed, dt, particles="bodyAdd(0.31, 0.42, 0.12, 1.5, {speed}, 0, 0, 1);", more="", weight=np.pi * 0.12**2 * 0.5, cells=32):
+def fall(freefem_text, folder, speed, dt, particles="bodyAdd(0.31, 0.42, 0.12, 1.5, {speed}, 0, 0, 1);", more="", weight=np.pi * 0.12**2 * 0.5, cells=32, viscosity=0.005, end=0.4):
     """The scene with a velocity given to all: run folder."""
     mesh = folder / "box.mesh"
-    text = f'savemesh(square({cells}, {cells}, flags = 3), "{mesh}");\n' + DRIFT.format(speed=speed, weight=weight, particles=particles.format(speed=speed), more=more.format(speed=speed))
-    freefem_text(text, "-mesh", mesh, "-dt", dt, "-cfl", 0, "-stabilise", 0, "-tolerance", 1e-7, "-every", 0.02, "-tend", 0.4, "-forces", 1, "-out", folder / f"run_{speed}_{dt}")
+    text = f'savemesh(square({cells}, {cells}, flags = 3), "{mesh}");\n' + DRIFT.format(speed=speed, weight=weight, viscosity=viscosity, particles=particles.format(speed=speed), more=more.format(speed=speed))
+    freefem_text(text, "-mesh", mesh, "-dt", dt, "-cfl", 0, "-stabilise", 0, "-tolerance", 1e-7, "-every", 0.02, "-tend", end, "-forces", 1, "-out", folder / f"run_{speed}_{dt}")
     return RunFolder(folder / f"run_{speed}_{dt}")
 
 
-# c^2 dt/nu, and moves in elements: 2 and 0.32, 8 and 0.64, 4 and 0.64
-@pytest.mark.parametrize("speed, dt", [(1, 0.01), (2, 0.01), (1, 0.02)])
+# c^2 dt/nu, and moves in elements: 2 and 0.32, 8 and 0.64, 4 and 0.64, 16 and 1.28
+@pytest.mark.parametrize("speed, dt", [(1, 0.01), (2, 0.01), (1, 0.02), (2, 0.02)])
 def test_a_disk_falls_as_fast_in_a_fluid_that_goes_along(speed, dt, freefem_text, tmp_path):
-    """Galileo (lib/body_frame.idp). By differences in time at fixed nodes it fell 2.5, 10 and 4 % slower."""
+    """Galileo (lib/body_frame.idp). By differences in time at fixed nodes it fell 2.5, 10, 4 and 16 % slower."""
     still, carried = (fall(freefem_text, tmp_path, c, dt).particles for c in (0, speed))
     assert still["v"][-1] < -0.04
     assert carried["v"][-1] == pytest.approx(still["v"][-1], rel=0.015)
@@ -155,42 +155,77 @@ def test_the_force_across_a_stream_does_not_hang_on_its_speed(freefem_text, tmp_
         assert force[speed][1] < 0.01 * 0.12 * force[0][0] + 2e-5
 
 
+# mean of W over the nodes of each body
 SEEN = """macro caseStep() {
-    real[int] seen(bodyNumber), one(frameOn ? frameBody.n : 0);
-    seen = 0.;
-    if (frameOn) { one = 1.; seen(frameBody) = one; }
+    real[int] seen(bodyNumber), many(bodyNumber), one(rigidCount), w = frameX(rigidNode);
+    seen = 0.; many = 0.; one = 1.;
+    seen(rigidOwner) += w; many(rigidOwner) += one;
+    seen ./= many;
     cout << "seen";
-    for (int k = 0; k < bodyNumber; ++k) cout << " " << seen[k];
+    for (int k = 0; k < bodyNumber; ++k) cout << " " << frameOn*seen[k];
     cout << endl;
 } // EOM"""
 
 
 @pytest.mark.parametrize("others, taking", [
-    ("bodyAdd(0.31, 0.6, 0.035, 1.5, 1, 0, 0, 1); bodyAdd(0.8, 0.9, 0.12, 1.5, 1, 0, 0, 1);", [0, 0, 1]),  # a coarse one beside it, and one far off
-    ("bodyAdd(0.57, 0.42, 0.12, 1.5, 1, 0, 0, 1); bodyAdd(0.8, 0.9, 0.035, 1.5, 1, 0, 0, 1);", [0, 0, 0]),  # one as large; a coarse one far off
-    ("bodyAdd(0.81, 0.9, 0.12, 1.5, 1, 0, 0, 1); bodyEllipse(0.81, 0.42, 0.12, 0.08, 0, 1.5);", [1, 1, 0])])  # far enough; an ellipse
-def test_disks_near_another_body_and_ellipses_have_no_frame(others, taking, freefem_text, tmp_path):
+    ("bodyAdd(0.8, 0.9, 0.12, 1.5, 1, 0, 0, 1); bodyAdd(0.6, 0.9, 0.025, 1.5, 1, 0, 0, 1); bodyAdd(0.81, 0.42, 0.02, 1.5, 1, 0, 0, 1);", [1, 1, 0, 0]),  # 1.6 and 1.3 across
+    ("bodyAdd(0.57, 0.42, 0.12, 1.5, 1, 0, 0, 1); bodyEllipse(0.81, 0.9, 0.12, 0.08, 0, 1.5);", [1, 1, 0]),  # one that goes through the fluid
+    ("bodyAdd(0.81, 0.42, 0.12, 1.5, 1, 0, 0, 1); bodyAspect[1] = 0.7;", [1, 1])])
+def test_resolved_bodies_that_go_along_have_frames(others, taking, freefem_text, tmp_path):
     mesh = tmp_path / "box.mesh"
     particles = "{ bodyAdd(0.31, 0.42, 0.12, 1.5, 1, 0, 0, 1); " + others + " }"
-    text = f'savemesh(square(32, 32, flags = 3), "{mesh}");\n' + DRIFT.format(speed=1, weight=0, particles=particles, more=SEEN)
+    text = f'savemesh(square(32, 32, flags = 3), "{mesh}");\n' + DRIFT.format(speed=1, weight=0, viscosity=0.005, particles=particles, more=SEEN)
     text = standard_alone(text)
     done = freefem_text(text, "-mesh", mesh, "-dt", 0.01, "-cfl", 0, "-tend", 0.05, "-out", tmp_path / "run")
     rows = [line.split()[1:] for line in done.stdout.splitlines() if line.startswith("seen")]
-    assert [[int(word) for word in row] for row in rows[2:]] == 3 * [taking]
+    assert [[int(float(word) > 0.5) for word in row] for row in rows[2:]] == 3 * [taking]
 
 
-def test_two_disks_in_a_row_fall_as_fast_in_a_fluid_that_goes_along(freefem_text, tmp_path):
-    """Three elements apart. With a frame for each they fell 30 % slower, and a sixth of their momentum came from nowhere."""
-    pair = "{{ bodyAdd(0.31, 0.42, 0.12, 1.8, {speed}, 0, 0, 1); bodyAdd(0.64, 0.42, 0.12, 1.2, {speed}, 0, 0, 1); }}"
-    still, carried = (fall(freefem_text, tmp_path, c, 0.005, pair, weight=np.pi * 0.12**2).particles for c in (0, 2))
+# particles and the weight that holds the stream; 8 elements across the disks
+CLUSTERS = {
+    "in a row, three elements apart": ("{{ bodyAdd(0.31, 0.42, 0.12, 1.8, {speed}, 0, 0, 1); bodyAdd(0.64, 0.42, 0.12, 1.2, {speed}, 0, 0, 1); }}", 0.12**2),
+    "in a row, one and a half": ("{{ bodyAdd(0.31, 0.42, 0.12, 1.8, {speed}, 0, 0, 1); bodyAdd(0.597, 0.42, 0.12, 1.2, {speed}, 0, 0, 1); }}", 0.12**2),
+    "aslant": ("{{ bodyAdd(0.31, 0.72, 0.12, 1.5, {speed}, 0, 0, 1); bodyAdd(0.53, 0.53, 0.12, 1.5, {speed}, 0, 0, 1); }}", 0.12**2),
+    "a disk and an ellipse": ("{{ bodyAdd(0.31, 0.72, 0.1, 1.8, {speed}, 0, 0, 1); bodyAdd(0.54, 0.6, 0.12, 1.2, {speed}, 0, 0, 1); bodyAspect[1] = 0.6; bodyTheta[1] = 0.6; }}", 0.01 * 0.8 + 0.12**2 * 0.6 * 0.2)}
+
+
+@pytest.mark.parametrize("cluster", CLUSTERS)
+@pytest.mark.parametrize("dt", [0.01, 0.02])
+def test_bodies_near_each_other_fall_as_fast_in_a_fluid_that_goes_along(cluster, dt, freefem_text, tmp_path):
+    """Moves of 0.64 and 1.28 elements. At fixed nodes the quicker one fell 4 to 13 % slower at 0.64; with the loss of each window taken for what
+    frames bring to its body, 30 %, and a sixth of the momentum came from nowhere."""
+    particles, weight = CLUSTERS[cluster]
+    still, carried = (fall(freefem_text, tmp_path, c, dt, particles, weight=np.pi * weight).particles for c in (0, 2))
     for body in (0, 1):
-        mine, its = still["v"][still["id"] == body][-1], carried["v"][carried["id"] == body][-1]
-        assert its == pytest.approx(mine, abs=0.05 * abs(still["v"]).max())
+        (v, u), (its_v, its_u) = ([rows[name][rows["id"] == body][-1] for name in ("v", "u")] for rows in (still, carried))
+        assert its_v == pytest.approx(v, abs=0.03 * abs(still["v"]).max())
+        assert its_u - 2 == pytest.approx(u, abs=0.015 * abs(still["v"]).max())
 
 
-def test_an_ellipse_does_not_run_away_in_a_fluid_that_goes_along(freefem_text, tmp_path):
-    """Moves of 0.67 elements; with a frame it went at 0.8 through the fluid."""
-    particle = "{{ bodyAdd(0.31, 0.42, 0.14, 1.8, {speed}, 0, 0, 1); bodyAspect[0] = 0.5; bodyTheta[0] = 0.6; }}"
-    still, carried = (fall(freefem_text, tmp_path, c, 0.005, particle, weight=np.pi * 0.14 * 0.07 * 0.8, cells=64).particles for c in (0, 2.1))
+@pytest.mark.parametrize("aspect", [0.5, 0.8])
+def test_an_ellipse_falls_as_fast_in_a_fluid_that_goes_along(aspect, freefem_text, tmp_path):
+    """Moves of 0.96 elements. At fixed nodes it fell 16 % slower; with a frame that knew nothing of the shortest waves of grad psi it ran away."""
+    particle = "{{ bodyAdd(0.31, 0.42, 0.14, 1.8, {speed}, 0, 0, 1); " + f"bodyAspect[0] = {aspect}; bodyTheta[0] = 0.6; }}}}"
+    still, carried = (fall(freefem_text, tmp_path, c, 0.008, particle, weight=np.pi * 0.14**2 * aspect * 0.8, cells=40).particles for c in (0, 3))
     assert abs(still["v"][-1]) > 0.04
-    assert abs(carried["u"] - 2.1 - still["u"]).max() + abs(carried["v"] - still["v"]).max() < 0.25 * abs(still["v"][-1])
+    assert abs(carried["u"] - 3 - still["u"]).max() + abs(carried["v"] - still["v"]).max() < 0.02 * abs(still["v"][-1])
+
+
+def test_frames_are_stable_with_little_viscosity(freefem_text, tmp_path):
+    """c^2 dt/nu = 72, moves of 0.96 elements: the flow round the disk grew by 1.6 a step."""
+    particle = "bodyAdd(0.31, 0.42, 0.14, 1.8, {speed}, 0, 0, 1);"
+    still, carried = (fall(freefem_text, tmp_path, c, 0.008, particle, weight=np.pi * 0.14**2 * 0.8, cells=40, viscosity=0.001, end=0.24).particles for c in (0, 3))
+    assert carried["v"][-1] == pytest.approx(still["v"][-1], rel=0.02)
+    assert abs(carried["u"] - 3).max() < 1e-3
+
+
+def test_frames_forget_bodies_that_have_left(channel, freefem_text, tmp_path):
+    """What is kept of the last body was taken for that of the next one, however late it came."""
+    write(PlaneMesh(channel.points, channel.triangles, channel.edges, channel.labels), tmp_path / "channel.mesh")
+    more = 'macro caseStep() cout << "kept " << bodyNumber << " " << frameHeld << " " << frameGhostU.linfty + frameGhostU1.linfty << endl; // EOM\n'
+    text = SCENE.format(dt=0.04, end=1.2, every=0.08, ramp=0.2, viscosity=0.02, unit=1.0, density=1.0, gravity=(0, -0.1), stream=(2, 0), origin=(0, 0), turn=np.eye(2),
+                        bodies="    bodyDisk(3, 1, 0.2, 1.5);", walls="labelWall, labelTop", slip="(0)")
+    done = freefem_text(standard_alone(more + text), "-mesh", tmp_path / "channel.mesh", "-out", tmp_path / "run")
+    rows = np.array([line.split()[1:] for line in done.stdout.splitlines() if line.startswith("kept")], float)
+    assert rows[:, 2].max() > 0 and rows[-5:, 0].max() == 0  # there were frames, and the disk has left
+    assert rows[-1, 1] == 0 and rows[-1, 2] == 0
