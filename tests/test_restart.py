@@ -248,6 +248,17 @@ def test_a_restart_knows_its_folder_and_its_mesh(mesh, unbroken, tmp_path):
     assert other.returncode == 3 and "another mesh" in other.stderr
 
 
+def test_checkpoints_of_another_version_are_refused(mesh, unbroken, tmp_path):
+    """FreeFEM's words before ("incompatible length in read array"), after the tables had been begun."""
+    shutil.copytree(unbroken, tmp_path / "old")
+    for sums in (tmp_path / "old").glob("restart_*.sha"):
+        sums.write_text(re.sub("^# form[0-9]+", "# case", sums.read_text(), flags=re.M))
+    before = (tmp_path / "old" / "particles.csv").read_bytes()
+    done = run_freefem(CASE, *mesh, *SCENE, "-tend", "0.14", *OFTEN, "-restart", tmp_path / "old", check=False)
+    assert done.returncode == 3 and "another version" in done.stderr and len(done.stderr.splitlines()) == 1
+    assert (tmp_path / "old" / "particles.csv").read_bytes() == before
+
+
 def test_a_case_that_was_edited_goes_on_with_a_warning(tmp_path):
     text = (ROOT / "cases/template.edp").read_text()
     case, words = tmp_path / "mine.edp", ["-dt", "0.01", "-checkpoint", "1", "-mesh", "meshes/settling_disk.mesh"]
