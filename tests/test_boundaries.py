@@ -257,7 +257,7 @@ def test_a_label_has_one_condition(lists, freefem_text, tmp_path):
 
 
 @pytest.mark.parametrize("more, period, words", [
-    (SEAM, 0, "flowPeriodY is 0 m"), (SEAM, 0.9, "but the period along y is 0.9 m"), ("", 1, "flowPeriodY is 1 m"),
+    (SEAM, 0, "flowPeriodY is 0,"), (SEAM, 0.9, "but the period along y is 0.9"), ("", 1, "flowPeriodY is 1,"),
     ("macro flowPeriodicLabels() [labelBottom, labelTop] // EOM", 1, "are not periodic")])
 def test_the_settings_of_a_period_belong_together(more, period, words, freefem_text, tmp_path):
     walls = "" if "Labels" in more else "labelBottom, labelTop"
