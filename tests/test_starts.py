@@ -51,6 +51,15 @@ def test_a_neutral_disk_goes_with_a_stream_that_is_there_at_once(freefem_text, t
     assert np.abs(speed - 1).max() < 0.02
 
 
+def test_a_force_that_a_pressure_balances_moves_nothing(freefem_text, tmp_path):
+    """Uniform, in a closed box: bodies of any density stay where they are from the first step on (force*dt/density of each step before: 0.02 m/s)."""
+    bodies = "{ bodyDisk(0.3, 0.52, 0.12, 0.2); bodyDisk(0.7, 0.52, 0.1, 1); bodyDisk(0.5, 0.22, 0.1, 5); }"
+    text = case(bodies, mu=0.01, gravity=0, more="macro flowForceX() 1. // EOM\nmacro flowForceY() 0.5 // EOM")
+    freefem_text(text, "-dt", 0.02, "-cfl", 0, "-tend", 0.1, "-every", 1e-9, "-out", tmp_path / "run")
+    rows = RunFolder(tmp_path / "run").particles
+    assert len(rows["t"]) > 12 and max(np.abs(rows[name]).max() for name in "uv") < 1e-9
+
+
 @pytest.mark.parametrize("low, high", [(0.5, 2), (1.1, 2.5)])
 def test_a_blow_of_bodies_changes_no_momentum(low, high, freefem_text, tmp_path):
     text = box(f"bodyDisk(0.5, 0.33, 0.1, {low}); bodyDisk(0.51, 0.62, 0.1, {high});", mu=0.003, gravity=-1)
