@@ -133,8 +133,10 @@ def main(arguments=None):
         if np.ptp(field) > 0:  # k and nu_t of a laminar flow are 0
             draw_field(mesh, field_mesh, field, label, out / f"{name}.png", f"{caption(run)}: {label.split(' (')[0]}")
             made.append(f"{name}.png")
-    draw_walls(run, out / "walls.png")
-    print(f"{out}: " + ", ".join([*made, "walls.png"]))
+    if run.columns("wall")["x"].size:  # a flow between planes of symmetry has none
+        draw_walls(run, out / "walls.png")
+        made.append("walls.png")
+    print(f"{out}: " + ", ".join(made))
     return 0
 
 
