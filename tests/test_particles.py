@@ -508,7 +508,7 @@ def test_momentum_and_energy_of_a_falling_disk_balance(freefem, tmp_path):
         found.append(abs(b["momentum_y"] - b["walls_y"] - b["weight_y"]).max() / abs(b["weight_y"][-1]))
         assert b["walls_y"][-1] > 0.05 * abs(b["weight_y"][-1])
         assert abs(b["kinetic_energy"] - b["work"] + b["dissipated"])[-1] < 0.08 * b["work"][-1]
-    assert found[0] < 0.01 and found[1] < 0.7 * found[0]
+    assert found[0] < 0.004 and found[1] < 0.9 * found[0]  # while the pressure came a step late at the start 0.01, first order
 
 
 def test_the_torque_on_a_turning_cylinder_is_the_exact_one(freefem, tmp_path):

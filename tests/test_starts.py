@@ -60,6 +60,29 @@ def test_a_force_that_a_pressure_balances_moves_nothing(freefem_text, tmp_path):
     assert len(rows["t"]) > 12 and max(np.abs(rows[name]).max() for name in "uv") < 1e-9
 
 
+@pytest.mark.parametrize("ratio", [0.3, 1.5, 5])
+def test_a_disk_that_is_let_go_has_its_acceleration_from_the_first_row_on(ratio, freefem_text, tmp_path):
+    """(s - 1)/(s + C) g in a fluid without viscosity, C = 1 + pi^2/6 (R/a)^2 midway between walls 2 a apart, of the first images; before, the first row was
+    1.5 times too fast."""
+    text = case(f"bodyDisk(1.003, 3.02, 0.2, {ratio});", walls="labelWall", mu=0.001, gravity=-10)
+    freefem_text(text, "-mesh", "meshes/settling_disk.mesh", "-dt", 0.005, "-cfl", 0, "-tend", 0.03, "-every", 1e-9, "-out", tmp_path / "run")
+    rows = RunFolder(tmp_path / "run").particles
+    assert len(rows["t"]) == 6
+    added = 1 + np.pi**2 / 6 * 0.2**2
+    np.testing.assert_allclose(rows["v"] / rows["t"], 10 * (1 - ratio) / (added + ratio), rtol=0.03 if ratio < 1 else 0.012)
+
+
+def test_the_force_on_a_body_moved_from_rest_does_not_ring(freefem_text, tmp_path):
+    """Constant acceleration: added mass at once, and what the boundary layer adds, row by row (before -0.10, -0.25, -0.34, -0.30, -0.25 N/m)."""
+    text = case("bodyAdd(1.01, 3.02, 0.25, 1, 0, 0, 0, 0);", walls="labelWall", mu=0.01, gravity=0, more="macro caseMotion(now) givenMotion(0, 0, now, 0); // EOM")
+    freefem_text(text, "-mesh", "meshes/settling_disk.mesh", "-forces", 1, "-dt", 0.005, "-cfl", 0, "-tend", 0.08, "-every", 1e-9, "-out", tmp_path / "run")
+    force = -RunFolder(tmp_path / "run").table("forces")["fy"]
+    mass = np.pi * 0.25**2
+    assert force[0] == pytest.approx(mass, rel=0.2)  # walls, and the layer of the first step
+    growth = np.diff(force) / mass
+    assert len(force) == 16 and growth.min() > 0 and growth.max() < 0.07
+
+
 @pytest.mark.parametrize("low, high", [(0.5, 2), (1.1, 2.5)])
 def test_a_blow_of_bodies_changes_no_momentum(low, high, freefem_text, tmp_path):
     text = box(f"bodyDisk(0.5, 0.33, 0.1, {low}); bodyDisk(0.51, 0.62, 0.1, {high});", mu=0.003, gravity=-1)
