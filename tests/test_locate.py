@@ -14,10 +14,10 @@ include "lib/locate.idp"
 ifstream in("POINTS");
 int n;
 in >> n;
-real[int] px(n), py(n), now(n), value(0);
+real[int] px(n), py(n), now(n), value(0), inside(n);
 in >> px >> py;
 int[int] of(0);
-locatePoints(px, py, of, value);
+locatePoints(px, py, of, value, inside);
 Wh f = FUNCTION;
 locateTake(f[], of, value, now);
 cout.precision(17);
