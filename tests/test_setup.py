@@ -57,6 +57,16 @@ def test_no_global_hides_a_word_of_the_language(path):
     assert not hidden, f"{path} declares {sorted(hidden)}: FreeFEM would use these instead of its own"
 
 
+@pytest.mark.skipif(not (ROOT / ".git").exists(), reason="not a checkout")
+def test_the_repository_holds_plain_files_and_nothing_that_is_made():
+    """A link, to an environment elsewhere for one, leads nowhere on another machine."""
+    rows = subprocess.run(["git", "ls-files", "--stage", "-z"], cwd=ROOT, check=True, capture_output=True, text=True).stdout.split("\0")
+    kept = {row.split("\t")[1]: row.split()[0] for row in rows if row}
+    assert "README.md" in kept
+    assert not [name for name, mode in kept.items() if mode not in ("100644", "100755")]
+    assert not [name for name in kept if name.split("/")[0] in (".venv", "results")]
+
+
 def test_the_lint_finds_what_it_looks_for():
     text = """
     real a = 1, b(3), dx = f(2, c);            // real region;
