@@ -22,6 +22,7 @@ CASES = {
     "diaphragm_loss": ["-cells", "6", "-outlet", "6", "-tolerance", "0.1"],
     "settling_disk": ["-tend", "0.01"],
     "template": ["-tend", "0.01"],
+    "branching_channel": ["-tend", "0.004"],
     "settling_ellipses": ["-tend", "0.01"],
     "drafting_kissing_tumbling": ["-tend", "0.002"],
     "cylinder_between_plates": ["-tend", "0.01"],

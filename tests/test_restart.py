@@ -39,7 +39,7 @@ def numbers(folder, name):
 
 
 def assert_same(folder, unbroken):
-    for name in ("particles.csv", "contacts.csv", "entries.csv"):
+    for name in ("particles.csv", "contacts.csv", "entries.csv", "exits.csv"):
         assert (folder / name).read_bytes() == (unbroken / name).read_bytes(), name
     got, expected = numbers(folder, "fluid.csv"), numbers(unbroken, "fluid.csv")
     for column in expected:

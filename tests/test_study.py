@@ -163,6 +163,13 @@ def test_the_quantities_of_a_made_up_run(tmp_path):
     got = {name: quantities.evaluate(quantities.parse(name, known), run) for name in known}
     assert all(why == "" for _, why in got.values()), got
     assert got["mean_wall_fx"][0] == pytest.approx(3.5) and quantities.mean_wall_fx(run, 4) == pytest.approx(2)
+    assert got["mean_fx"][0] == pytest.approx(2) and quantities.mean_fx(run, particle=1) == pytest.approx(3) and got["mean_torque"][0] == pytest.approx(0.5)
+    assert got["mean_fy"][0] == pytest.approx(0.875 * run.fluid["t"].max())  # the force is the time, over the last quarter
+    outlets = [quantities.mean_flux(run, label) for label in (2, 12)]
+    assert outlets[0] == pytest.approx(3 * outlets[1]) and got["mean_flux"][0] == outlets[0] > 0 > quantities.mean_flux(run, 1)
+    for bad in (lambda: quantities.mean_flux(run, 3), lambda: quantities.mean_fx(run, particle=7)):
+        with pytest.raises(ValueError):
+            bad()
     assert got["mean_u"][0] == pytest.approx(0.9) and got["mean_v"][0] == 0
     assert got["flux_error"][0] == pytest.approx(1e-4, rel=1e-3)
     assert got["worst_overlap"][0] == pytest.approx(6e-9 / run.particles["radius"].min())

@@ -133,6 +133,44 @@ def mean_wall_fx(run, label=-1, start=math.nan, end=math.nan):
     return _mean(run, times, np.bincount(at, table["fx"][own]), start, end)
 
 
+def _force(run, name, start, end, particle):
+    """Mean of a column of forces.csv for one particle, by default the first (-forces 1)."""
+    table = run.table("forces")
+    if "id" not in table:
+        raise ValueError("forces.csv is that of a flow without particles")
+    if not len(table["id"]):
+        raise ValueError("forces.csv has no rows")
+    one = min(table["id"]) if particle < 0 else particle
+    own = table["id"] == one
+    if not own.any():
+        raise ValueError(f"there is no particle {one:g}")
+    return _mean(run, table["t"][own], table[name][own], start, end)
+
+
+def mean_fx(run, start=math.nan, end=math.nan, particle=-1):
+    """Mean force of the fluid along x on a particle over a window (-forces 1)."""
+    return _force(run, "fx", start, end, particle)
+
+
+def mean_fy(run, start=math.nan, end=math.nan, particle=-1):
+    """Mean force of the fluid along y on a particle over a window (-forces 1)."""
+    return _force(run, "fy", start, end, particle)
+
+
+def mean_torque(run, start=math.nan, end=math.nan, particle=-1):
+    """Mean torque of the fluid on a particle over a window (-forces 1)."""
+    return _force(run, "torque", start, end, particle)
+
+
+def mean_flux(run, label=2, start=math.nan, end=math.nan):
+    """Mean flux out through the boundary of a label (default 2, outlet) over a window (-fluxes 1)."""
+    table = run.table("fluxes")
+    own = table["label"] == label
+    if not own.any():
+        raise ValueError(f"fluxes.csv has no rows of label {label:g}")
+    return _mean(run, table["t"][own], table["flux"][own], start, end)
+
+
 def flux_error(run):
     """Largest | |flux in| - |flux out| | over the largest flux."""
     _, inlet = _column(run, "flux_in")

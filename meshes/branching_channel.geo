@@ -1,0 +1,35 @@
+// A channel of width 1 that an island with a round nose divides into two, lengths in mm (cases/branching_channel.edp).
+// An example of a domain of one's own: the names of the physical curves are the boundaries (python -m tools.mesh own --help).
+size = 1/24;     // of the elements
+length = 6;      // of the whole channel
+nose = 2.5;      // x of the island's nose
+below = 0.5;     // width of the lower branch
+above = 0.35;    // width of the upper one
+round = (1 - below - above)/2; // radius of the nose
+Point(1) = {0, 0, 0, size};
+Point(2) = {length, 0, 0, size};
+Point(3) = {length, below, 0, size};
+Point(4) = {nose + round, below, 0, size};
+Point(5) = {nose + round, below + round, 0, size};
+Point(6) = {nose, below + round, 0, size};
+Point(7) = {nose + round, 1 - above, 0, size};
+Point(8) = {length, 1 - above, 0, size};
+Point(9) = {length, 1, 0, size};
+Point(10) = {0, 1, 0, size};
+Line(1) = {1, 2};
+Line(2) = {2, 3};
+Line(3) = {3, 4};
+Circle(4) = {4, 5, 6};
+Circle(5) = {6, 5, 7};
+Line(6) = {7, 8};
+Line(7) = {8, 9};
+Line(8) = {9, 10};
+Line(9) = {10, 1};
+Curve Loop(1) = {1 : 9};
+Plane Surface(1) = {1};
+Physical Curve("inlet") = {9};
+Physical Curve("outlet") = {2};
+Physical Curve("right") = {7};
+Physical Curve("wall") = {1, 8};
+Physical Curve("obstacle") = {3 : 6};
+Physical Surface("fluid") = {1};
