@@ -72,15 +72,44 @@ def test_a_disk_that_is_let_go_has_its_acceleration_from_the_first_row_on(ratio,
     np.testing.assert_allclose(rows["v"] / rows["t"], 10 * (1 - ratio) / (added + ratio), rtol=0.03 if ratio < 1 else 0.012)
 
 
-def test_the_force_on_a_body_moved_from_rest_does_not_ring(freefem_text, tmp_path):
-    """Constant acceleration: added mass at once, and what the boundary layer adds, row by row (before -0.10, -0.25, -0.34, -0.30, -0.25 N/m)."""
-    text = case("bodyAdd(1.01, 3.02, 0.25, 1, 0, 0, 0, 0);", walls="labelWall", mu=0.01, gravity=0, more="macro caseMotion(now) givenMotion(0, 0, now, 0); // EOM")
-    freefem_text(text, "-mesh", "meshes/settling_disk.mesh", "-forces", 1, "-dt", 0.005, "-cfl", 0, "-tend", 0.08, "-every", 1e-9, "-out", tmp_path / "run")
-    force = -RunFolder(tmp_path / "run").table("forces")["fy"]
+@pytest.mark.parametrize("start", [0, 0.05])
+def test_the_force_on_a_body_moved_from_rest_does_not_ring(start, freefem_text, tmp_path):
+    """Constant acceleration: added mass at once, and what the boundary layer adds, row by row (before, at 0, -0.10, -0.25, -0.34, -0.30, -0.25 N/m, later
+    -0.14, -0.28, -0.34, -0.33, -0.28)."""
+    text = case("bodyAdd(1.01, 3.02, 0.25, 1, 0, 0, 0, 0);", walls="labelWall", mu=0.01, gravity=0, more=f"macro caseMotion(now) givenMotion(0, 0, max(0., now - {start}), 0); // EOM")
+    freefem_text(text, "-mesh", "meshes/settling_disk.mesh", "-forces", 1, "-dt", 0.005, "-cfl", 0, "-tend", start + 0.08, "-every", 1e-9, "-out", tmp_path / "run")
+    table = RunFolder(tmp_path / "run").table("forces")
+    force = -table["fy"][table["t"] > start + 1e-9]
     mass = np.pi * 0.25**2
     assert force[0] == pytest.approx(mass, rel=0.2)  # walls, and the layer of the first step
     growth = np.diff(force) / mass
     assert len(force) == 16 and growth.min() > 0 and growth.max() < 0.07
+
+
+PUSHED = "macro caseLoads(now) if (now > 0.0501) bodyPush(0, 0.2, 0.5, 0.05); // EOM"
+
+
+def test_a_disk_that_is_pushed_has_its_acceleration_from_the_first_row_on(freefem_text, tmp_path):
+    """Force over mass and added mass, torque over moment, but for the layer that sticks to it (before 1.00, 0.87, 0.81, 0.82 and 0.69, 0.78, 0.83, 0.85 of these)."""
+    text = case("bodyAdd(1.01, 3.02, 0.25, 1.5, 0, 0, 0, 1);", walls="labelWall", mu=0.001, gravity=0, more=PUSHED)
+    freefem_text(text, "-mesh", "meshes/settling_disk.mesh", "-dt", 0.005, "-cfl", 0, "-tend", 0.08, "-every", 1e-9, "-out", tmp_path / "run")
+    rows = RunFolder(tmp_path / "run").particles
+    late = rows["t"] > 0.0501
+    since, area = rows["t"][late] - 0.05, np.pi * 0.25**2
+    assert len(since) == 6 and abs(rows["v"][~late]).max() == 0
+    mass, moment = area * (1.5 + 1 + np.pi**2 / 6 * 0.25**2), 1.5 * area * 0.25**2 / 2
+    np.testing.assert_allclose(rows["v"][late] / since * mass / 0.5, 1, rtol=0.03)
+    np.testing.assert_allclose(rows["omega"][late] / since * moment / 0.05, 1, rtol=0.03)
+
+
+def test_a_push_between_two_checkpoints_is_repeated_bit_for_bit(freefem_text, tmp_path):
+    text = case("bodyAdd(1.01, 3.02, 0.25, 1.5, 0, 0, 0, 1);", walls="labelWall", mu=0.01, gravity=0, more=PUSHED.replace("0.0501)", "0.0201 && now < 0.0451)"))
+    options = ["-mesh", "meshes/settling_disk.mesh", "-dt", 0.005, "-cfl", 0, "-checkpoint", 6, "-every", 1e-9]
+    freefem_text(text, *options, "-tend", 0.12, "-out", tmp_path / "whole")  # pushed in the 5th step, let go in the 10th
+    freefem_text(text, *options, "-tend", 0.03, "-out", tmp_path / "part")
+    freefem_text(text, *options, "-tend", 0.12, "-restart", tmp_path / "part", "-out", tmp_path / "rest")
+    whole, rest = ((tmp_path / name / "particles.csv").read_text().splitlines() for name in ("whole", "rest"))
+    assert len(rest) == 1 + 18 and rest[1:] == whole[-18:]
 
 
 @pytest.mark.parametrize("low, high", [(0.5, 2), (1.1, 2.5)])
