@@ -120,7 +120,7 @@ def test_a_blow_of_bodies_changes_no_momentum(low, high, freefem_text, tmp_path)
     budget, first = run.table("budget"), run.table("contacts")
     lost = budget["momentum_y"] - budget["weight_y"]
     k = int(np.argmin(np.abs(budget["t"] - first["t"][0])))
-    assert abs(lost[k] - lost[k - 1]) < 0.06 * first["impulse"][0]
+    assert abs(lost[k] - lost[k - 1]) < 0.01 * first["impulse"][0]  # 0.02 to 0.04 by the projection's masses
 
 
 def test_a_small_body_far_away_changes_nothing(freefem_text, tmp_path):
