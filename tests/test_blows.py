@@ -57,12 +57,11 @@ def test_nothing_overlaps_in_the_first_move(bodies, freefem_text, tmp_path):
 
 
 PUSH = """macro caseStep() {
-    real[int] jump = [JUMP, 0.], ju(flowNw), jv(flowNw), e(flowNq), got(3);
-    ju = 0; jv = 0;
-    rigidSpread(jump, ju, jv);
-    blowFlow(ju, jv, e);
-    ju = flowBX'*e; jv = flowBY'*e;
-    rigidGather(ju, jv, got);
+    real[int] jump = [JUMP, 0.], held(3), e(flowNq), got(3);
+    matrix noGaps;
+    held = 0.;
+    blowFlow(jump, held, noGaps, noGaps, noGaps, e);
+    got = blowPush*e;
     cout << "added " << got[0] << " " << got[1] << endl;
 } // EOM"""
 
