@@ -61,7 +61,7 @@ PUSH = """macro caseStep() {
     matrix noGaps;
     held = 0.;
     blowFlow(jump, held, noGaps, noGaps, noGaps, e);
-    got = blowPush*e;
+    blowGather(e, got);
     cout << "added " << got[0] << " " << got[1] << endl;
 } // EOM"""
 
