@@ -362,7 +362,7 @@ def test_a_stabilisation_that_has_fallen_to_0_is_on_after_a_restart(tmp_path):
 
 def test_loads_outlive_a_restart_where_bodies_come_and_go(tmp_path):
     """One of two has left before it, the other is lighter than the fluid, and a third, pushed as well, enters behind it."""
-    bodies = "bodyAdd(0.99, 0.3, 0.1, 2, 1.5, 0, 0, 1); bodyDisk(0.5, 0.3, 0.1, 0.5); queueAdd(0.25, 0.1, 2, 0.15);"
+    bodies = "bodyAdd(0.99, 0.3, 0.1, 2, 1.5, 0, 0, 1); bodyDisk(0.5, 0.3, 0.1, 0.5); queueAt(0.4, 0.7, 0.1, 2, 0.15);"
     pushes = "bodyPush(0, 1, 0, 0); bodyPush(1, 0, 1, 0); bodyPush(2, 0, 1, 0.01);"
     text = case(bodies, more=f"macro boundaryU() (4*y*(1 - y)) // EOM\nmacro caseLoads(now) {pushes} // EOM", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight")
     (tmp_path / "scene.edp").write_text(text)

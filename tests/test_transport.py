@@ -280,6 +280,16 @@ def test_waiting_particles_that_would_enter_outside_the_mesh_are_refused(freefem
     assert done.returncode == 5 and "the waiting particle 2 stands outside the mesh" in done.stderr and "1 particle stands outside" in done.stderr
 
 
+def test_a_particle_is_let_go_at_a_place(freefem_text, tmp_path):
+    """With the velocity of the fluid there, when it is due; one behind the outlet is refused."""
+    for x, status in ((0.5, 0), (1.5, 5)):
+        text = PAIR.format(flow=UNIFORM, particles=f"queueAt({x}, 0.01, 0.005, 2500, 0.02);")
+        done = freefem_text(text, "-mesh", ROOT / "meshes/pipe_obstacles.mesh", "-dt", 0.01, "-tend", 0.04, "-every", 0, "-out", tmp_path / f"run{x}", check=False)
+        assert done.returncode == status, done.stderr
+    first = rows(tmp_path / "run0.5" / "particles.csv")[0]
+    assert 0.02 <= float(first["t"]) < 0.0301 and abs(float(first["x"]) - 0.5) <= float(first["u"]) * 0.0101 and abs(float(first["y"]) - 0.01) < 1e-3
+
+
 def carried(folder, diameters, status="finished", **parameters):
     """A run of transport, made up: the particles pass the pipe in half a second, and leave it."""
     folder.mkdir()
