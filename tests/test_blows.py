@@ -60,6 +60,7 @@ PUSH = """macro caseStep() {
     real[int] jump = [JUMP, 0.], held(3), e(flowNq), got(3);
     matrix noGaps;
     held = 0.;
+    blowFind();
     blowFlow(jump, held, noGaps, noGaps, noGaps, e);
     blowGather(e, got);
     cout << "added " << got[0] << " " << got[1] << endl;
