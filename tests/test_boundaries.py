@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 
+from tests.conftest import standard_alone
 from tools.run_folder import RunFolder
 
 CASE = """
@@ -312,3 +313,27 @@ def test_macros_of_the_boundary_may_be_sums(freefem_text, tmp_path):
     freefem_text(text, "-mesh", tmp_path / "box.mesh", "-tend", 0.05, "-out", tmp_path / "run")
     fluid = RunFolder(tmp_path / "run").fluid
     assert (fluid["pressure_drop"] == 0).all() and (fluid["flux_in"] == 0).all()
+
+
+LEAVES = """macro caseStep() {
+    if (step == 3) { int[int] stay = [0, 2]; bodyKeep(stay); rigidStale = 1; }
+    if (step == 4) {
+        real[int] diagonal = momentumBodyDiag, gain = momentumGain;
+        int age = momentumAge;
+        momentumAge = 40;
+        momentumDiagonal();
+        diagonal ./= momentumBodyDiag; gain ./= momentumGain;
+        diagonal -= 1.; gain -= 1.;
+        cout << "kept " << age << " " << bodyNumber << " " << diagonal.n << " " << diagonal.linfty << " " << gain.n << " " << gain.linfty << endl;
+    }
+} // EOM
+"""
+
+
+def test_who_stays_keeps_diagonal_and_gain_when_another_leaves(freefem_text, tmp_path):
+    """They are those that are found anew, but for how far the bodies have gone (sizes and densities differ, so a wrong order would show)."""
+    bodies = "bodyDisk(0.3, 0.3, 0.11, 1.5); bodyDisk(0.7, 0.3, 0.08, 3); bodyDisk(0.5, 0.7, 0.16, 1.1);"
+    done = freefem_text(standard_alone(case(bodies, more=LEAVES)), "-dt", 0.002, "-tend", 0.01, "-out", tmp_path / "run")
+    age, bodies, size, off, gains, gain_off = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("kept")).split()[1:]]
+    assert (age, bodies, size, gains) == (3, 2, 6, 2)  # found anew they would be of this step, 1
+    assert off < 0.1 and gain_off < 0.3
