@@ -360,6 +360,8 @@ def test_a_disk_of_exactly_two_elements_falls_within_a_few_percent(freefem, tmp_
     ("id,x,y,radius,density,x\n0,1,1,0.1,2,3\n", "first line"),
     ("id,x,y,radius,density,aspect\n0,1,1,0.1,2,1.5\n", "minor over the major"),
     ("id,x,y,radius,density,free\n0,1,1,0.1,2,0.5\n", "1 moves freely"),
+    ("id,x,y,radius,density,free,turns\n0,1,1,0.1,2,0,0.5\n", "1 turns freely"),
+    ("id,x,y,radius,density,turns\n0,1,1,0.1,2,0\n", "1 turns freely"),
 ])
 def test_a_bad_list_of_particles_is_refused(freefem, tmp_path, text, words):
     file = tmp_path / "bad.csv"
@@ -392,12 +394,12 @@ cout << "read " << bodyNumber << " " << bodyId[1] << endl;""").stdout
     assert "read 2 9" in got
 
 
-def test_columns_stand_in_any_order_and_make_ellipses_and_held_bodies(freefem, tmp_path):
+def test_columns_stand_in_any_order_and_make_ellipses_held_and_pinned_bodies(freefem, tmp_path):
     """As the same scene written into the case."""
-    (tmp_path / "scene.csv").write_text("theta,x,y,aspect,id,radius,density,free,u\n0.7,0.8,1.5,0.5,0,0.4,1.3,1,0\n0,1.3,3,1,1,0.2,1,0,0.5\n")
+    (tmp_path / "scene.csv").write_text("theta,x,y,aspect,turns,id,radius,density,free,u\n0.7,0.8,1.5,0.5,1,0,0.4,1.3,1,0\n0,1.3,3,1,0,1,0.2,1,0,0.5\n0.2,0.8,2.9,0.5,1,2,0.3,1.1,0,0\n")
     box = (ROOT / "cases/template.edp").read_text()
     bodies = box[box.index("macro caseParticles()"):box.index("include \"scripts/resolved.edp\"")]
-    inside = "bodyEllipse(0.8, 1.5, 0.4, 0.2, 0.7, 1.3); bodyAdd(1.3, 3, 0.2, 1, 0.5, 0, 0, 0);"
+    inside = "bodyEllipse(0.8, 1.5, 0.4, 0.2, 0.7, 1.3); bodyAdd(1.3, 3, 0.2, 1, 0.5, 0, 0, 0); bodyPinned(bodyEllipse(0.8, 2.9, 0.3, 0.15, 0.2, 1.1));"
     for name, text, words in (("file", "", ("-particles", tmp_path / "scene.csv")), ("case", inside, ())):
         (tmp_path / f"{name}.edp").write_text(box.replace(bodies, f"macro caseParticles() {text} // EOM\n"))
         freefem(tmp_path / f"{name}.edp", *words, "-tend", 0.02, "-out", tmp_path / name)
@@ -405,6 +407,8 @@ def test_columns_stand_in_any_order_and_make_ellipses_and_held_bodies(freefem, t
     assert (tmp_path / "file/shapes.csv").read_bytes() == (tmp_path / "case/shapes.csv").read_bytes()
     rows = read_table(tmp_path / "file/particles.csv")
     assert set(rows["u"][rows["id"] == 1]) == {0.5} and abs(rows["omega"][rows["id"] == 0]).max() > 0
+    pinned = rows["id"] == 2
+    assert set(rows["u"][pinned]) == {0} and abs(rows["omega"][pinned]).max() > 0
 
 
 def test_an_id_of_the_case_itself_is_told_from_one_given_twice(freefem_refused, tmp_path):
