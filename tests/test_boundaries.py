@@ -332,7 +332,7 @@ LEAVES = """macro caseStep() {
 
 def test_who_stays_keeps_diagonal_and_gain_when_another_leaves(freefem_text, tmp_path):
     """They are those that are found anew, but for how far the bodies have gone (sizes and densities differ, so a wrong order would show)."""
-    bodies = "bodyDisk(0.3, 0.3, 0.11, 1.5); bodyDisk(0.7, 0.3, 0.08, 3); bodyDisk(0.5, 0.7, 0.16, 1.1);"
+    bodies = "bodyDisk(0.3, 0.3, 0.11, 1.5); bodyDisk(0.7, 0.3, 0.08, 3); bodyNextId = 2000000000; bodyDisk(0.5, 0.7, 0.16, 1.1);"  # as large as a file may say
     done = freefem_text(standard_alone(case(bodies, more=LEAVES)), "-dt", 0.002, "-tend", 0.01, "-out", tmp_path / "run")
     age, bodies, size, off, gains, gain_off = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("kept")).split()[1:]]
     assert (age, bodies, size, gains) == (3, 2, 6, 2)  # found anew they would be of this step, 1
