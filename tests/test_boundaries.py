@@ -229,7 +229,9 @@ def test_walls_are_written_so_that_contacts_can_name_them(freefem_text, tmp_path
     ("queueAdd(0.5, 0.12, -1, 0.);", 3, "has density -1"), ("queueAdd(0.5, -0.1, 1, 0.);", 3, "no radius above 0"),
     ("queueAt(0.5, 0.95, 0.12, 1, 0.);", 5, "the waiting particle 1 (at (0.5, 0.95) m, radius 0.12 m) would stand 0.07 m deep in a wall"),
     ("queueAt(0.5, 1.3, 0.12, 1, 0.);", 5, "the waiting particle 1 enters at (0.5, 1.3) m, outside the mesh"),
-    ("queueAt(sqrt(-1.), 0.5, 0.12, 1, 0.);", 3, "a place or a time that is no number")])
+    ("queueAt(sqrt(-1.), 0.5, 0.12, 1, 0.);", 3, "a place, an angle or a time that is no number"), ("queueEllipse(0.5, 0.12, 0.06, sqrt(-1.), 1, 0.);", 3, "an angle"),
+    ("queueEllipse(0.5, 0.1, 0.12, 0, 1, 0.);", 3, "is an ellipse of semi-axes 0.1 and 0.12 m"), ("queueEllipse(0.5, 0.1, 0, 0, 1, 0.);", 3, "semi-axes 0.1 and 0 m"),
+    ("queueEllipseAt(0.5, 0.95, 0.12, 0.06, 0, 1, 0.);", 5, "deep in a wall")])
 def test_a_waiting_particle_that_cannot_enter_is_refused(queue, status, words, freefem_text, tmp_path):
     text = case(queue, walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() 1. // EOM")
     done = freefem_text(text, "-out", tmp_path / "run", check=False)
@@ -237,21 +239,39 @@ def test_a_waiting_particle_that_cannot_enter_is_refused(queue, status, words, f
     assert not (tmp_path / "run").exists()
 
 
-def test_a_particle_let_go_later_falls_like_one_let_go_at_the_start(freefem_text, tmp_path):
+@pytest.mark.parametrize("start, queue", [("bodyDisk(0.51, 0.7, 0.12, 3);", "queueAt(0.51, 0.7, 0.12, 3, DUE);"), ("bodyEllipse(0.51, 0.7, 0.12, 0.08, 0.6, 3);", "queueEllipseAt(0.51, 0.7, 0.12, 0.08, 0.6, 3, DUE);")])
+def test_a_particle_let_go_later_falls_like_one_let_go_at_the_start(start, queue, freefem_text, tmp_path):
     """From its first row on, at a place in a closed box (4 % slower while the pressure of its weight came late); a second one at the same place waits until there is room."""
     falls = []
-    for name, body in (("start", "bodyDisk(0.51, 0.7, 0.12, 3);"), ("later", "queueAt(0.51, 0.7, 0.12, 3, 0.05); queueAt(0.51, 0.7, 0.12, 3, 0.06);")):
-        freefem_text(case(body, gravity=-20), "-dt", 0.005, "-cfl", 0, "-tend", 0.4, "-every", 0, "-out", tmp_path / name)
+    for name, body in (("start", start), ("later", queue.replace("DUE", "0.05") + queue.replace("DUE", "0.06"))):
+        freefem_text(case(body, gravity=-20), "-dt", 0.005, "-cfl", 0, "-tend", 0.6, "-every", 0, "-out", tmp_path / name)
         rows = RunFolder(tmp_path / name).particles
-        falls.append({column: rows[column][rows["id"] == 0] for column in ("t", "y", "v")})
+        falls.append({column: rows[column][rows["id"] == 0] for column in ("t", "y", "v", "theta")})
     entries = RunFolder(tmp_path / "later").table("entries")
     assert entries["t"][0] == pytest.approx(0.055, abs=1e-9) and (entries["x"][0], entries["y"][0]) == (0.51, 0.7)
     start, later = falls
     for after in (0.005, 0.01, 0.05, 0.1, 0.2):
         v = [np.interp(after + begin, fall["t"], fall["v"]) for begin, fall in ((0, start), (0.05, later))]
         assert v[1] == pytest.approx(v[0], rel=0.01), after
+        theta = [np.interp(after + begin, fall["t"], fall["theta"]) for begin, fall in ((0, start), (0.05, later))]
+        assert theta[1] == pytest.approx(theta[0], abs=0.01), after
     assert entries["t"][1] > 0.1 and 0.7 - np.interp(entries["t"][1], later["t"], later["y"]) > 0.24
     assert RunFolder(tmp_path / "later").fluid["worst_gap"].min() > -1e-6 * 0.12
+
+
+def test_ellipses_enter_among_disks(freefem_text, tmp_path):
+    """Two disks are held, an ellipse and a disk come in behind them and are too large to pass: the first ellipse of the scene, in contacts as well. It has the mean motion of
+    the fluid that it displaces, and whoever is in shapes.csv has the axes that were asked for."""
+    queue = "bodyHeld(bodyDisk(0.6, 0.75, 0.17, 8)); bodyHeld(bodyDisk(0.6, 0.28, 0.17, 8)); queueEllipse(0.55, 0.15, 0.08, 0.7, 1, 0.05); queueAdd(0.4, 0.1, 1, 0.06);"
+    text = case(queue, walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() (2*y) // EOM", gravity=0)
+    freefem_text(text, "-tend", 0.8, "-every", 0, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    shapes, entries = run.table("shapes"), run.table("entries")
+    assert shapes["id"].tolist() == [0, 1, 2, 3] and shapes["major"] == pytest.approx([0.17, 0.17, 0.15, 0.1]) and shapes["minor"] == pytest.approx([0.17, 0.17, 0.08, 0.1])
+    assert entries["id"].tolist() == [0, 1, 2, 3] and entries["x"][2] == pytest.approx(1.05 * 0.15) and entries["t"][3] > entries["t"][2]
+    first = {column: values[run.particles["id"] == 2][0] for column, values in run.particles.items()}
+    assert entries["u"][2] == pytest.approx(1.1, rel=0.1) and first["omega"] < -0.3 and abs(first["theta"] - 0.7) < 0.05
+    assert len(run.table("contacts")["t"]) > 0 and run.fluid["worst_gap"].min() > -1e-6 * 0.08
 
 
 def test_an_obstacle_behind_the_inlet_is_in_the_way(freefem_text, tmp_path):

@@ -360,9 +360,10 @@ def test_a_stabilisation_that_has_fallen_to_0_is_on_after_a_restart(tmp_path):
         assert (broken / f"restart_000000040.{end}").read_bytes() == (whole / f"restart_000000040.{end}").read_bytes(), end
 
 
-def test_loads_outlive_a_restart_where_bodies_come_and_go(tmp_path):
+@pytest.mark.parametrize("third", ["queueAt(0.4, 0.7, 0.1, 2, 0.15);", "queueEllipseAt(0.4, 0.7, 0.12, 0.08, 0.5, 2, 0.15);"])
+def test_loads_outlive_a_restart_where_bodies_come_and_go(third, tmp_path):
     """One of two has left before it, the other is lighter than the fluid, and a third, pushed as well, enters behind it."""
-    bodies = "bodyAdd(0.99, 0.3, 0.1, 2, 1.5, 0, 0, 1); bodyDisk(0.5, 0.3, 0.1, 0.5); queueAt(0.4, 0.7, 0.1, 2, 0.15);"
+    bodies = f"bodyAdd(0.99, 0.3, 0.1, 2, 1.5, 0, 0, 1); bodyDisk(0.5, 0.3, 0.1, 0.5); {third}"
     pushes = "bodyPush(0, 1, 0, 0); bodyPush(1, 0, 1, 0); bodyPush(2, 0, 1, 0.01);"
     text = case(bodies, more=f"macro boundaryU() (4*y*(1 - y)) // EOM\nmacro caseLoads(now) {pushes} // EOM", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight")
     (tmp_path / "scene.edp").write_text(text)

@@ -255,6 +255,7 @@ def test_channel_friction_is_that_of_dean_and_direct_simulation(freefem, run_fol
     found = run(freefem, run_folder, "turbulent_channel", "-retau", retau, "-cells", cells)
     assert found["residual"] <= 1e-6
     assert abs(found["friction_error_direct"]) < 0.05 and abs(found["friction_error"]) < 0.05
+    assert abs(found["friction_error_nearer"]) == min(abs(found["friction_error"]), abs(found["friction_error_karman"]))
     assert found["log_law_worst"] < 0.05
 
 

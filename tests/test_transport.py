@@ -290,6 +290,12 @@ def test_a_particle_is_let_go_at_a_place(freefem_text, tmp_path):
     assert 0.02 <= float(first["t"]) < 0.0301 and abs(float(first["x"]) - 0.5) <= float(first["u"]) * 0.0101 and abs(float(first["y"]) - 0.01) < 1e-3
 
 
+def test_an_ellipse_that_waits_is_refused(freefem_text, tmp_path):
+    text = PAIR.format(flow=UNIFORM, particles="queueEllipseAt(0.5, 0.01, 0.005, 0.003, 0, 2500, 0.02);")
+    done = freefem_text(text, "-mesh", ROOT / "meshes/pipe_obstacles.mesh", "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "carried particles are round" in done.stderr and not (tmp_path / "run").exists()
+
+
 def carried(folder, diameters, status="finished", **parameters):
     """A run of transport, made up: the particles pass the pipe in half a second, and leave it."""
     folder.mkdir()
