@@ -274,6 +274,41 @@ def test_ellipses_enter_among_disks(freefem_text, tmp_path):
     assert len(run.table("contacts")["t"]) > 0 and run.fluid["worst_gap"].min() > -1e-6 * 0.08
 
 
+@pytest.mark.parametrize("scheme", ["standard", "published"])
+def test_an_inlet_by_label_has_the_course_of_the_ramp(scheme, freefem_text, tmp_path):
+    inlet = case("bodyDisk(0.45, 0.5, 0.12, 2);", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() (4*y*(1 - y)) // EOM\nMORE", gravity=0)
+    by_label = inlet.replace("MORE", "macro caseBoundary(now) inflowScale(labelLeft, 0.3 + now); // EOM")
+    by_ramp = inlet.replace("MORE", "").replace("return 1;", "return 0.3 + t;")
+    for name, text in (("label", by_label), ("ramp", by_ramp)):
+        freefem_text(text, "-scheme", scheme, "-tend", 0.05, "-every", 0, "-out", tmp_path / name)
+    u, v = ((RunFolder(tmp_path / name).particles[q] for q in "uv") for name in ("label", "ramp"))
+    for a, b in zip(u, v):
+        assert np.abs(a - b).max() < 1e-8  # published: one run differs from the next by 1e-10
+    assert RunFolder(tmp_path / "label").fluid["flux_in"][-1] == pytest.approx(0.35 * 2 / 3, rel=1e-6)
+
+
+@pytest.mark.parametrize("driver", ["resolved", "flow"])
+def test_two_inlets_have_courses_of_their_own(driver, freefem_text, tmp_path):
+    """The second opens when the first one closes; the fluxes of each label say so, after a restart too."""
+    more = "macro boundaryU() (x < 1e-9 ? 4*y*(1 - y) : 0.) // EOM\nmacro boundaryV() (x > 1e-9 ? 4*x*(1 - x) : 0.) // EOM\nmacro caseBoundary(now) { inflowScale(labelLeft, 1 - 2*now); inflowScale(labelBottom, 5*now); } // EOM"
+    text = case("bodyDisk(0.5, 0.5, 0.12, 2);", walls="labelTop", moving="labelLeft, labelBottom", outlet="labelRight", more=more, gravity=0).replace("resolved.edp", f"{driver}.edp")
+    text = text.replace(", gravityX = 0, gravityY = 0", "" if driver == "flow" else ", gravityX = 0, gravityY = 0")
+    for more in (("-tend", 0.05, "-checkpoint", 5), ("-tend", 0.1, "-restart", tmp_path / "run")):
+        freefem_text(text, "-every", 0, "-fluxes", 1, *more, "-out", tmp_path / ("run" if "-checkpoint" in more else "on"))
+    for name, end in (("run", 0.05), ("on", 0.1)):
+        fluxes = RunFolder(tmp_path / name).table("fluxes")
+        for label, factor in ((11, 1 - 2 * end), (13, 5 * end)):
+            assert fluxes["flux"][fluxes["label"] == label][-1] == pytest.approx(-factor * 2 / 3, rel=1e-6), label
+
+
+@pytest.mark.parametrize("course, words", [("inflowScale(labelTop, 1.);", "this is none of them"), ("inflowScale(labelLeft, sqrt(now - 1.));", "the factor is no number"),
+                                           ("inflowScale(labelLeft, 1 + now);", "m2/s more than out, or out than in, and there is no outlet")])
+def test_a_course_of_an_inlet_that_cannot_be_is_refused(course, words, freefem_text, tmp_path):
+    text = case("bodyDisk(0.5, 0.5, 0.12, 2);", walls="labelBottom, labelTop", moving="labelLeft, labelRight", more=f"macro boundaryU() (4*y*(1 - y)) // EOM\nmacro caseBoundary(now) {course} // EOM")
+    done = freefem_text(text, "-tend", 0.05, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and words in done.stderr and len(done.stderr.strip().splitlines()) == 1
+
+
 def test_an_obstacle_behind_the_inlet_is_in_the_way(freefem_text, tmp_path):
     mesh = tmp_path / "drain.mesh"
     text = square(mesh, hole=DRAIN) + case("queueAdd(0.5, 0.2, 1, 0.);", walls="labelBottom, labelTop, labelOutlet", moving="labelLeft", outlet="labelRight", more="macro boundaryU() 1. // EOM")
