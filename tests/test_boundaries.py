@@ -292,7 +292,8 @@ def test_two_inlets_have_courses_of_their_own(driver, freefem_text, tmp_path):
     """The second opens when the first one closes; the fluxes of each label say so, after a restart too."""
     more = "macro boundaryU() (x < 1e-9 ? 4*y*(1 - y) : 0.) // EOM\nmacro boundaryV() (x > 1e-9 ? 4*x*(1 - x) : 0.) // EOM\nmacro caseBoundary(now) { inflowScale(labelLeft, 1 - 2*now); inflowScale(labelBottom, 5*now); } // EOM"
     text = case("bodyDisk(0.5, 0.5, 0.12, 2);", walls="labelTop", moving="labelLeft, labelBottom", outlet="labelRight", more=more, gravity=0).replace("resolved.edp", f"{driver}.edp")
-    text = text.replace(", gravityX = 0, gravityY = 0", "" if driver == "flow" else ", gravityX = 0, gravityY = 0")
+    if driver == "flow":
+        text = text.replace(", gravityX = 0, gravityY = 0", "")
     for more in (("-tend", 0.05, "-checkpoint", 5), ("-tend", 0.1, "-restart", tmp_path / "run")):
         freefem_text(text, "-every", 0, "-fluxes", 1, *more, "-out", tmp_path / ("run" if "-checkpoint" in more else "on"))
     for name, end in (("run", 0.05), ("on", 0.1)):
