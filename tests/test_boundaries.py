@@ -128,6 +128,15 @@ def test_a_waiting_particle_minds_the_disk_over_the_seam(freefem_text, tmp_path)
         assert last.fluid["particles"][-1] == 2 and last.fluid["worst_gap"].min() > 0
 
 
+@pytest.mark.parametrize("period", [0, 1, -2])
+def test_a_waiting_particle_is_asked_for_its_size_wherever_its_period_is_counted_from(period, freefem_text, tmp_path):
+    """The elements of the mesh are 1/32 wide; half of one is asked for."""
+    text = case(f"queueAt(0.5, {0.5 + period}, 0.004, 1, 0.);", walls="", moving="labelLeft", outlet="labelRight", more=SEAM, period=1)
+    done = freefem_text(text, "-mesh", "meshes/cylinder_array.mesh", "-out", tmp_path / "run", check=False)
+    assert done.returncode == 5 and "elements across" in done.stderr and len(done.stderr.strip().splitlines()) == 1, done.stderr
+    assert not (tmp_path / "run").exists()
+
+
 @pytest.mark.parametrize("height", [0.5, 0.03])
 def test_a_disk_that_enters_over_a_seam_takes_the_motion_of_the_fluid(height, freefem_text, tmp_path):
     text = case(f"queueAdd({height}, 0.12, 1, 0.);", walls="", moving="labelLeft", outlet="labelRight", more=SEAM, period=1).replace("gravityY = -1", "gravityY = 0")
