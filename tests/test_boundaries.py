@@ -236,10 +236,10 @@ def test_walls_are_written_so_that_contacts_can_name_them(freefem_text, tmp_path
 @pytest.mark.parametrize("queue, status, words", [
     ("queueAdd(0.95, 0.12, 1, 0.);", 5, "deep in a wall where it enters"), ("queueAdd(0.5, 0.6, 1, 0.);", 5, "deep in a wall where it enters"),
     ("queueAdd(0.5, 0.12, -1, 0.);", 3, "has density -1"), ("queueAdd(0.5, -0.1, 1, 0.);", 3, "no radius above 0"),
-    ("queueAt(0.5, 0.95, 0.12, 1, 0.);", 5, "the waiting particle 1 (at (0.5, 0.95) m, radius 0.12 m) would stand 0.07 m deep in a wall"),
-    ("queueAt(0.5, 1.3, 0.12, 1, 0.);", 5, "the waiting particle 1 enters at (0.5, 1.3) m, outside the mesh"),
+    ("queueAt(0.5, 0.95, 0.12, 1, 0.);", 5, "the waiting particle 0 (the first is 0; at (0.5, 0.95), radius 0.12) would stand 0.07 deep in a wall"),
+    ("queueAt(0.5, 1.3, 0.12, 1, 0.);", 5, "the waiting particle 0 (the first is 0) enters at (0.5, 1.3), outside the mesh"),
     ("queueAt(sqrt(-1.), 0.5, 0.12, 1, 0.);", 3, "a place, an angle or a time that is no number"), ("queueEllipse(0.5, 0.12, 0.06, sqrt(-1.), 1, 0.);", 3, "an angle"),
-    ("queueEllipse(0.5, 0.1, 0.12, 0, 1, 0.);", 3, "is an ellipse of semi-axes 0.1 and 0.12 m"), ("queueEllipse(0.5, 0.1, 0, 0, 1, 0.);", 3, "semi-axes 0.1 and 0 m"),
+    ("queueEllipse(0.5, 0.1, 0.12, 0, 1, 0.);", 3, "is an ellipse of semi-axes 0.1 and 0.12;"), ("queueEllipse(0.5, 0.1, 0, 0, 1, 0.);", 3, "semi-axes 0.1 and 0;"),
     ("queueEllipseAt(0.5, 0.95, 0.12, 0.06, 0, 1, 0.);", 5, "deep in a wall")])
 def test_a_waiting_particle_that_cannot_enter_is_refused(queue, status, words, freefem_text, tmp_path):
     text = case(queue, walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() 1. // EOM")
@@ -312,7 +312,7 @@ def test_two_inlets_have_courses_of_their_own(driver, freefem_text, tmp_path):
 
 
 @pytest.mark.parametrize("course, words", [("inflowScale(labelTop, 1.);", "this is none of them"), ("inflowScale(labelLeft, sqrt(now - 1.));", "the factor is no number"),
-                                           ("inflowScale(labelLeft, 1 + now);", "m2/s more than out, or out than in, and there is no outlet")])
+                                           ("inflowScale(labelLeft, 1 + now);", "more a second than out, or out than in, and there is no outlet")])
 def test_a_course_of_an_inlet_that_cannot_be_is_refused(course, words, freefem_text, tmp_path):
     text = case("bodyDisk(0.5, 0.5, 0.12, 2);", walls="labelBottom, labelTop", moving="labelLeft, labelRight", more=f"macro boundaryU() (4*y*(1 - y)) // EOM\nmacro caseBoundary(now) {course} // EOM")
     done = freefem_text(text, "-tend", 0.05, "-out", tmp_path / "run", check=False)
@@ -356,8 +356,27 @@ def test_an_inlet_without_an_outlet_is_refused(freefem_text, tmp_path):
     """What flows in has no way out; 2/3 m2/s by the parabola."""
     text = case("bodyDisk(0.5, 0.5, 0.12, 3);", walls="labelRight, labelBottom, labelTop", moving="labelLeft", more="macro boundaryU() (4*y*(1 - y)) // EOM")
     done = freefem_text(text, "-out", tmp_path / "run", check=False)
-    assert done.returncode == 3 and "let in 0.666667 m2/s more than out" in done.stderr and len(done.stderr.strip().splitlines()) == 1
+    assert done.returncode == 3 and "let in 0.666667 more a second than out" in done.stderr and len(done.stderr.strip().splitlines()) == 1
     assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("old, new, says", [
+    ("return 1;", "return acos(2 + t);", "boundaryRamp(0), the factor on the velocities at the boundary, is "),
+    ("boundaryU() 1.", "boundaryU() acos(2 + y)", "boundaryU or boundaryV is no number somewhere on label 11 (left)"),
+    ("gravityY = -1", "gravityY = acos(2.)", "gravityX is 0 and gravityY "),
+    ("optCase(", "// (", "the case has no name"), ("optDefault(\"-mesh\"", "// (", "no mesh is named")])
+def test_what_a_case_sets_is_asked_for_before_anything_is_computed(old, new, says, freefem_text, tmp_path):
+    text = case("", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() 1. // EOM")
+    assert old in text
+    done = freefem_text(text.replace(old, new), "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and says in done.stderr and len(done.stderr.strip().splitlines()) == 1, done.stderr
+
+
+@pytest.mark.parametrize("more, warned", [("macro boundryU() 1. // EOM", 1), ("macro boundaryU() 1. // EOM", 0)])
+def test_an_inlet_that_lets_in_nothing_is_told(more, warned, freefem_text, tmp_path):
+    text = case("", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more=more, gravity=0)
+    done = freefem_text(text, "-tend", 0.01, "-out", tmp_path / "run")
+    assert ("warning: boundaryU and boundaryV are 0 all along label 11 (left)" in done.stdout) == warned
 
 
 def test_walls_that_the_mesh_does_not_have_are_none(freefem_text, tmp_path):

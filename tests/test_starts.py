@@ -4,6 +4,7 @@ import pytest
 from scipy.linalg import solve_banded
 
 from test_boundaries import case
+from tools.mesh_files import read_field
 from tools.run_folder import RunFolder
 
 BOX = """
@@ -40,6 +41,18 @@ def test_a_body_thrown_into_fluid_at_rest_shares_its_momentum(ratio, freefem_tex
     assert momentum[0] == pytest.approx(np.pi * 0.13**2 * ratio, rel=0.1 if ratio < 1 else 0.02)  # light ones: their nodes' share
     assert drift[1] < 0.02 and drift[0] < 0.04
     assert ends[0] == pytest.approx(ends[1], rel=0.05)
+
+
+def test_the_flow_of_a_start_is_the_potential_flow_at_every_node(freefem_text, tmp_path):
+    """In the files. Of a cylinder that has a velocity at once: u = U R^2/r^2 (cos 2 phi, sin 2 phi), and a uniform flow by its images, 12 radii away. At vertices it was 0."""
+    text = "int[int] sides = [13, 12, 14, 11];\n" + f'savemesh(square(64, 64, label = sides), "{tmp_path}/box.mesh");\n' + box("bodyAdd(0.51, 0.53, 0.08, 1, 1, 0, 0, 0);")
+    freefem_text(text, "-mesh", tmp_path / "box.mesh", "-tend", 1e-3, "-dt", 1e-3, "-fields", 1, "-out", tmp_path / "run")
+    fine, values = read_field(tmp_path / "run" / "fields_0000000.vtu")
+    z = (fine.points[:, 0] - 0.51) + 1j * (fine.points[:, 1] - 0.53)
+    round_it = (abs(z) > 1.6 * 0.08) & (abs(z) < 2.6 * 0.08)
+    off = values["velocity"][:, 0] - 1j * values["velocity"][:, 1] - 0.08**2 / np.where(z == 0, 1, z) ** 2
+    off -= off[round_it].mean()
+    assert round_it.sum() > 1000 and abs(off[round_it]).max() < 0.06
 
 
 STREAM = case("bodyDisk(0.41, 0.52, 0.12, 1);", walls="", moving="labelLeft", outlet="labelRight", slip="labelBottom, labelTop", more="macro boundaryU() 1. // EOM", mu=0.001, gravity=0)
