@@ -12,7 +12,7 @@ from tools import plot, plot_contacts, plot_transport
 from tools.command import BadInput
 from tools.film import frame_rate, make_film, mp4_possible
 from tools.mesh_files import chains, read_mesh
-from tools.plotting import draw_outline, panels, plt, speed_top
+from tools.plotting import draw_outline, frame, panels, plt, save, speed_top
 from tools.run_folder import RunFolder
 from tools.tables import read_table
 
@@ -433,3 +433,27 @@ def test_a_run_of_contacts_alone_is_left_to_its_own_pictures(freefem, tmp_path):
         plot.main([str(tmp_path / "run")])
     done = subprocess.run([sys.executable, "-m", "tools.plot_contacts", str(tmp_path / "run"), "--only", "energy"], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0 and done.stderr == "", "a finished run is no reason to warn"
+
+
+@pytest.mark.parametrize("extent", [(0, 0, 1, 1), (-250, -250, 100, 100), (1000, -500, 1, 1), (0, 0, 4, 1), (-1e-4, 0, 2e-4, 5e-4), (-2, 0, 1, 8)])
+def test_labels_of_ticks_stay_apart_and_in_the_picture(extent, tmp_path):
+    figure, axes, bar = panels(6, extent)
+    bar.remove()
+    for one in axes:
+        frame(one, extent, "cm")
+    figure.draw_without_rendering()
+    boxes = [label.get_window_extent() for one in axes if one.last_row for label in one.get_xticklabels() if label.get_text()]
+    assert len(boxes) >= sum(one.last_row for one in axes) and not [1 for k, a in enumerate(boxes) for b in boxes[:k] if a.overlaps(b)]
+    picture = plt.imread(save(figure, tmp_path / "panels.png"))
+    assert (picture[:, :8, :3] == 1).all() and (picture[:, -8:, :3] == 1).all()  # nothing is cut off
+
+
+def test_a_logarithmic_axis_has_two_labels_at_least(folder, tmp_path, monkeypatch):
+    seen = []
+    monkeypatch.setattr(plot, "save", lambda figure, path: seen.append(figure))
+    monkeypatch.setattr(plot, "series", lambda run: [("norm", [("", np.linspace(0.05, 0.6, len(run.fluid["t"])))], True)])
+    plot.plot_series(RunFolder(folder), tmp_path / "series.png")
+    axes, = seen[0].axes
+    low, high = axes.get_ylim()
+    assert sum(low <= tick <= high for tick in axes.get_yticks()) >= 2 and axes.get_position().width > 0.6
+    plt.close(seen[0])

@@ -325,6 +325,20 @@ def test_a_recipe_may_have_options_and_a_study_of_steps_a_mesh_of_its_own(case, 
         study.main([*words, "--meshsize", "0.5", "--", "-mesh", str(made)])
 
 
+def test_what_has_no_value_is_named_and_old_figures_go(case, tmp_path, capsys):
+    words = [str(case), "--meshsize", "0.5", "0.25", "--out", str(tmp_path / "out"), "--quantity"]
+    assert study.main([*words, "mean_v:0.3:0.4"], square_mesh) == 0
+    assert [path.name for path in (tmp_path / "out").glob("*.png")] == ["study_mean_v_0.3_0.4.png"]
+    capsys.readouterr()
+    assert study.main([*words, "peak_speed", "mean_v:7:8"], square_mesh) == 1
+    assert "error: no value of mean_v:7:8 in 2 of 2 runs" in capsys.readouterr().err
+    assert [path.name for path in (tmp_path / "out").glob("*.png")] == ["study_peak_speed.png"]
+
+
+def test_the_help_names_the_arguments_of_a_quantity():
+    assert any(line.startswith("  mean_flux:LABEL:START:END ") for line in quantities.summary(quantities.load()).splitlines())
+
+
 def test_every_quantity_has_a_whole_sentence_in_the_help():
     lines = quantities.summary(quantities.load()).splitlines()
     assert len(lines) > 10 and not [line for line in lines if not re.search(r"\S {2,}\S.*[.]$", line)]

@@ -170,8 +170,9 @@ def plot_series(run, path):
     t = run.fluid["t"]
     if not wanted or not len(t):
         raise BadInput(f"{run.folder / 'fluid.csv'} has no rows or none of the columns that are drawn")
-    rows = -(-len(wanted) // 2)
-    figure, axes = plt.subplots(rows, 2, figsize=(PAGE_WIDTH, 0.5 + 1.75 * rows), sharex=True, layout="constrained",
+    columns = min(len(wanted), 2)
+    rows = -(-len(wanted) // columns)
+    figure, axes = plt.subplots(rows, columns, figsize=(PAGE_WIDTH, 0.5 + 1.75 * rows), sharex=True, layout="constrained",
                                 squeeze=False)
     for one, (label, curves, log) in zip(axes.flat, wanted):
         for k, (name, values) in enumerate(curves):
@@ -181,7 +182,7 @@ def plot_series(run, path):
             one.set_yscale("log")
             one.yaxis.set_minor_formatter(NullFormatter())
             low, high = one.get_ylim()
-            if high < 10 * low:  # at least one decade, so that there is a labelled tick
+            if np.floor(np.log10(high)) - np.ceil(np.log10(low)) < 1:  # two labelled ticks at least
                 one.set_ylim(10 ** np.floor(np.log10(low)), 10 ** np.ceil(np.log10(high)))
         elif log:
             one.text(0.5, 0.5, f"below {ROUNDING:g} throughout" if "overlap" in label else "zero throughout", transform=one.transAxes, ha="center", va="center")
@@ -198,8 +199,8 @@ def plot_series(run, path):
         one.remove()
     for one in axes.flat:  # wide labels, such as 0.025, would run together
         one.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
-    for column in range(2):
-        shown = [row for row in range(rows) if 2 * row + column < len(wanted)]
+    for column in range(columns):
+        shown = [row for row in range(rows) if columns * row + column < len(wanted)]
         if shown:
             axes[shown[-1], column].set_xlabel(f"t ({run.units['time']})")
             axes[shown[-1], column].tick_params(labelbottom=True)

@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.collections import LineCollection, PatchCollection  # noqa: E402
 from matplotlib.patches import Ellipse, Rectangle  # noqa: E402
+from matplotlib.ticker import FixedLocator, MaxNLocator  # noqa: E402
 
 from tools.mesh_files import OPEN, SOLID, chains  # noqa: E402
 
@@ -23,6 +24,7 @@ MARKERS = "os^Dvp"
 BODY, BODY_EDGE, SOLID_FILL = "#e8e8e8", "#1a1a1a", "#9a9a9a"
 ROUNDING = 1e-10  # of the radius: smaller overlaps are not drawn
 PAGE_WIDTH = 7.2  # inches: fits a printed page
+DIGIT, OVERHANG = 0.073, 0.07  # inches: width of a digit of a tick's label; what of a label may stand out beside a panel
 
 plt.rcParams.update({
     "font.size": 9, "axes.titlesize": 9, "axes.labelsize": 9, "legend.fontsize": 8,
@@ -71,6 +73,7 @@ def panels(number, extent, width=PAGE_WIDTH, height=8.6, gaps=(0.2, 0.34), margi
             one.tick_params(labelleft=False)
         if k + columns < number:
             one.tick_params(labelbottom=False)
+        one.has_neighbour = columns > 1
         one.first_column, one.last_row = column == 0, k + columns >= number
         axes.append(one)
     bar_height = min(total[1] - bottom - top, 4.0)
@@ -78,6 +81,22 @@ def panels(number, extent, width=PAGE_WIDTH, height=8.6, gaps=(0.2, 0.34), margi
     bar = figure.add_axes([(total[0] - right + 0.12) / total[0], (middle - bar_height / 2) / total[1],
                            0.14 / total[0], bar_height / total[1]])
     return figure, axes, bar
+
+
+def fit_ticks(axes, inches):
+    """Ticks along x whose labels stay apart, and within the panel where another one stands beside it."""
+    low, high = axes.get_xlim()
+    scale = inches / (high - low)
+    for number in range(9, 0, -1):
+        ticks = MaxNLocator(number, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
+        ticks = ticks[(ticks >= low) & (ticks <= high)]
+        half = 0.5 * DIGIT * max(map(len, axes.xaxis.get_major_formatter().format_ticks(ticks)), default=0)
+        if getattr(axes, "has_neighbour", False):
+            inside = ticks[(scale * (ticks - low) > half - OVERHANG) & (scale * (high - ticks) > half - OVERHANG)]
+            ticks = inside if len(inside) else ticks
+        if len(ticks) < 2 or scale * (ticks[1] - ticks[0]) > 2 * (half + DIGIT):
+            break
+    axes.xaxis.set_major_locator(FixedLocator(ticks))
 
 
 def frame(axes, extent, length="m", pad=0.015):
@@ -88,7 +107,7 @@ def frame(axes, extent, length="m", pad=0.015):
     axes.set_xlim(x0 - room, x0 + w + room)
     axes.set_ylim(y0 - room, y0 + h + room)
     slots = axes.get_position().size * axes.figure.get_size_inches()
-    axes.locator_params(axis="x", nbins=int(np.clip(slots[0] / 0.55, 1, 9)))
+    fit_ticks(axes, slots[0])
     axes.locator_params(axis="y", nbins=int(np.clip(slots[1] / 0.3, 2, 9)))
     for side in axes.spines.values():
         side.set_visible(False)
@@ -170,6 +189,6 @@ def time_text(t, unit="s", last=None):
 
 def save(figure, path):
     """Write the figure and let it go. Returns the path."""
-    figure.savefig(path)
+    figure.savefig(path, bbox_inches="tight", pad_inches=0.08)  # labels as wide as they are
     plt.close(figure)
     return path

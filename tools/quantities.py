@@ -43,7 +43,7 @@ def _mean(run, times, values, start, end):
 
 
 def _track(run, particle):
-    """The rows of one particle (by default the first)."""
+    """The rows of one particle (by default that of the least id)."""
     tracks = run.tracks
     if not tracks:
         raise ValueError("particles.csv has no rows")
@@ -134,7 +134,7 @@ def mean_wall_fx(run, label=-1, start=math.nan, end=math.nan):
 
 
 def _force(run, name, start, end, particle):
-    """Mean of a column of forces.csv for one particle, by default the first (-forces 1)."""
+    """Mean of a column of forces.csv for one particle, by default that of the least id (-forces 1)."""
     table = run.table("forces")
     if "id" not in table:
         raise ValueError("forces.csv is that of a flow without particles")
@@ -218,8 +218,10 @@ def load(extra=()):
 
 
 def summary(known):
-    """One line per quantity, for --help."""
-    return "\n".join(f"  {name:<22}{(inspect.getdoc(one) or '').splitlines()[0] if one.__doc__ else ''}"
+    """One line per quantity, for --help: its name, its arguments in their order, and what it is."""
+    def usage(name, one):
+        return ":".join([name, *(word.upper() for word in list(inspect.signature(one).parameters)[1:])])
+    return "\n".join(f"  {usage(name, one):<38}  {(inspect.getdoc(one) or '').splitlines()[0] if one.__doc__ else ''}"
                      for name, one in sorted(known.items()))
 
 

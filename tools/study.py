@@ -229,6 +229,8 @@ def run_study(study, mesh_maker=make_mesh, say=print):
     study.out.mkdir(parents=True, exist_ok=True)
     pairs = sorted(itertools.product(study.meshsizes, study.dts), key=lambda pair: -(pair[0] or 1) ** 2 * (pair[1] or 1))
     workers = 1 if study.timing else max(1, study.jobs)
+    for old in study.out.glob("study_*.png"):
+        old.unlink()  # of a study whose table is replaced
     begin, records, spent, weights = time.perf_counter(), [], 0.0, {p: (p[0] or 1) ** -2 / (p[1] or 1) for p in pairs}
     with side_by_side(workers) as pool:
         def mesh_of(size):
@@ -305,7 +307,7 @@ positive.__name__ = "number above 0"
 
 def parser():
     """The options."""
-    options = Parser(prog="python -m tools.study", epilog="quantities (quantity:number:... gives arguments):\n"
+    options = Parser(prog="python -m tools.study", epilog="quantities (mean_v:0.2:0.5 gives numbers to the first arguments; -1 of a particle: that of the least id; nan of a time: as without):\n"
                      + quantities.summary(quantities.load()), description=__doc__)
     options.add_argument("script", help="the case, such as cases/settling_disk.edp")
     options.add_argument("--meshsize", nargs="+", type=positive, metavar="H", help="element sizes (default: the case's mesh)")
@@ -364,7 +366,9 @@ def main(words=None, mesh_maker=make_mesh):
     print(f"table: {study.out / 'study.csv'}")
     failed = sum(r["status"] != 0 or any(why for _, why in r["values"].values()) for r in records)
     if failed:
-        print(f"error: {failed} of {len(records)} runs gave no value; the reasons stand above and in the table", file=sys.stderr)
+        missing = {name: sum(bool(r["values"][name][1]) for r in records) for name in study.quantities}
+        print("error: no value of " + ", ".join(f"{name} in {n} of {len(records)} runs" for name, n in missing.items() if n)
+              + "; the reasons stand above and in the table", file=sys.stderr)
     return 1 if failed else 0
 
 

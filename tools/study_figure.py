@@ -9,7 +9,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocat
 from tools.convergence import pareto
 from tools.plotting import MARKERS, PAGE_WIDTH, curve, plt, save
 from tools.run_folder import RunFolder
-from tools.study_report import against, error_of
+from tools.study_report import against, assumed, error_of
 
 
 def units_of(records):
@@ -32,7 +32,7 @@ def plain(axis, values=None):
         axis.set_major_locator(MaxNLocator(4))
     elif high < 1000 * low:
         axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high > 8 * low else (1, 1.5, 2, 3, 5, 7)))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.4g}"))
     axis.set_minor_formatter(NullFormatter())
 
 
@@ -67,7 +67,7 @@ def draw_study(study, records, quantity, reference, uncertainty):
             line = sorted((r[key], error[id(r)]) for r in rows if r[other] == fixed and r[key] is not None)
             word = {"dt": "time step", "meshsize": "element size"}[other]
             axes.plot(*zip(*line), marker=MARKERS[k % len(MARKERS)], markersize=5, **curve(k),
-                      label=f"{word} {fixed:.7g} {units['time' if other == 'dt' else 'length']}" if fixed is not None else f"error over {name.split(' (')[0]}")
+                      label=f"{word} {fixed:.4g} {units['time' if other == 'dt' else 'length']}" if fixed is not None else f"error over {name.split(' (')[0]}")
         slopes(axes, [r[key] for r in rows if r[key] is not None], max(error[id(r)] for r in rows))
         axes.set_xlabel(name)
     last = panels[-1]
@@ -98,5 +98,6 @@ def draw_study(study, records, quantity, reference, uncertainty):
         axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=1)
     plain(panels[0].yaxis)
     panels[0].set_ylabel(label)
-    figure.suptitle(f"{study.case.replace('_', ' ')}: {quantity} against {what} {reference:.6g}", fontsize=10)
+    guess = f"\n(order {study.formal_order:g} assumed, none observed: the slopes of the lines show nothing)" if assumed(study, records, quantity) else ""
+    figure.suptitle(f"{study.case.replace('_', ' ')}: {quantity} against {what} {reference:.6g}{guess}", fontsize=10)
     return save(figure, study.out / f"study_{re.sub('[^A-Za-z0-9_.-]+', '_', quantity)}.png")

@@ -65,6 +65,11 @@ def extrapolates(study, records, quantity):
     return any(one.extrapolated for one, _ in limits(study, records, quantity).values())
 
 
+def assumed(study, records, quantity):
+    """Whether a limit that errors are taken against was extrapolated with an order that no values show."""
+    return not study.references and any(one.extrapolated and math.isnan(one.order) for one, _ in limits(study, records, quantity).values())
+
+
 def against(study, records, quantity):
     """What errors are taken against, in words."""
     if study.references:
