@@ -352,6 +352,19 @@ def test_the_settings_of_a_period_belong_together(more, period, words, freefem_t
     assert done.returncode == 3 and words in done.stderr and not (tmp_path / "run").exists()
 
 
+def test_the_flux_through_a_period_is_that_of_poiseuille(freefem_text, tmp_path):
+    """Driven by a force f: f H^3/(12 mu), in by one side and out by the other."""
+    text = case("", walls="labelLeft, labelRight", more=PERIODIC + "\nmacro flowForceY() 1. // EOM", period=1, mu=0.5, gravity=0)
+    freefem_text(text, "-mesh", "meshes/cylinder_array.mesh", "-dt", 0.02, "-tend", 3, "-every", 1, "-fluxes", 1, "-out", tmp_path / "run")
+    table = RunFolder(tmp_path / "run").table("fluxes")
+    assert list(table["label"][-2:]) == [13, 14] and table["flux"][-2:] == pytest.approx([-1 / 6, 1 / 6], rel=1e-4)
+
+
+def test_fluxes_of_a_closed_box_are_refused(freefem_text, tmp_path):
+    done = freefem_text(case("bodyDisk(0.5, 0.5, 0.12, 3);"), "-fluxes", 1, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "-fluxes 1 is for flows with an inlet" in done.stderr and not (tmp_path / "run").exists()
+
+
 def test_an_inlet_without_an_outlet_is_refused(freefem_text, tmp_path):
     """What flows in has no way out; 2/3 m2/s by the parabola."""
     text = case("bodyDisk(0.5, 0.5, 0.12, 3);", walls="labelRight, labelBottom, labelTop", moving="labelLeft", more="macro boundaryU() (4*y*(1 - y)) // EOM")
@@ -364,6 +377,7 @@ def test_an_inlet_without_an_outlet_is_refused(freefem_text, tmp_path):
     ("return 1;", "return acos(2 + t);", "boundaryRamp(0), the factor on the velocities at the boundary, is "),
     ("boundaryU() 1.", "boundaryU() acos(2 + y)", "boundaryU or boundaryV is no number somewhere on label 11 (left)"),
     ("gravityY = -1", "gravityY = acos(2.)", "gravityX is 0 and gravityY "),
+    ("include \"scripts", "macro flowForceX() log(-1. - y) // EOM\ninclude \"scripts", "flowForceX or flowForceY, the force on the fluid, is no number"),
     ("optCase(", "// (", "the case has no name"), ("optDefault(\"-mesh\"", "// (", "no mesh is named")])
 def test_what_a_case_sets_is_asked_for_before_anything_is_computed(old, new, says, freefem_text, tmp_path):
     text = case("", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() 1. // EOM")

@@ -138,9 +138,8 @@ def series(run):
     """The panels of the time series: [(label of the axis, [(name, values)], log scale)];
     a column that the run did not write is left out."""
     table = run.fluid
-    length, second, mass = (run.units[name] for name in ("length", "time", "mass"))
-    pressure, energy = ("Pa", "J/m") if (length, second, mass) == ("m", "s", "kg") else \
-        (f"{mass}/({length} {second}$^2$)", f"{mass} {length}/{second}$^2$")
+    length, second = run.units["length"], run.units["time"]
+    pressure, energy = run.units_per_depth["pressure"], run.units_per_depth["energy"]
 
     def there(*pairs):
         return [(name, table[column]) for column, name in pairs if column in table]

@@ -151,11 +151,11 @@ def plot_frames(run, path, times=None):
             axis.tick_params(labelbottom=last, labelleft=axis is axes[cell // 2, 0], length=2)
             axis.locator_params(nbins=4)
             if last:
-                axis.set_xlabel("x (m)")
+                axis.set_xlabel(f"x ({run.units['length']})")
         if cell % 2 == 0:
-            left.set_ylabel("y (m)")
+            left.set_ylabel(f"y ({run.units['length']})")
     bar = figure.colorbar(disks, cax=figure.add_axes((0.895, 0.3, 0.018, 0.4)), extend="min")
-    bar.set_label("speed (m/s)")
+    bar.set_label(f"speed ({run.units_per_depth['speed']})")
     figure.canvas.draw()  # now the tick labels are known: what is wide gets its room
     over = 0.01 - min(axis.get_tightbbox().x0 for axis in axes[:, 0]) / figure.bbox.width
     if over > 0:
@@ -195,8 +195,8 @@ def plot_chains(run, path):
     thick = 4.0 if len(force) < 1000 else 1.6
     lines = LineCollection(np.stack([a, b], axis=1), linewidths=0.3 + thick * force / force.max(), cmap=FIELD_MAP, array=force, zorder=6, capstyle="round")
     axes.add_collection(lines)
-    figure.colorbar(lines, ax=axes, shrink=0.8).set_label("normal force (N per metre of depth)")
-    axes.set(xlabel="x (m)", ylabel="y (m)", title=f"{run.title}: forces at {time_text(t)}")
+    figure.colorbar(lines, ax=axes, shrink=0.8).set_label(f"normal force per depth ({run.units_per_depth['force']})")
+    axes.set(xlabel=f"x ({run.units['length']})", ylabel=f"y ({run.units['length']})", title=f"{run.title}: forces at {time_text(t)}")
     return save(figure, path)
 
 
@@ -209,7 +209,7 @@ def plot_energy(run, path):
     floor = 1e-6 * max(motion["kinetic_energy"].max(), fallen.max(), 1e-300)
     top.semilogy(t, np.maximum(motion["kinetic_energy"], floor), label="kinetic", **curve(0))
     top.semilogy(t, np.maximum(fallen, floor), label="potential, above its least", **curve(1))
-    top.set_ylabel("energy\n(J per metre of depth)")
+    top.set_ylabel(f"energy per depth\n({run.units_per_depth['energy']})")
     top.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)  # a run that ends before rest has curves everywhere
     radius = run.particles["radius"].min()
     overlap = np.where(motion["worst_gap"] < -ROUNDING * radius, -motion["worst_gap"] / radius, np.nan)
@@ -234,15 +234,15 @@ def shots(run, places):
     axes = figure.add_axes((0.62 / size[0], 0.5 / size[1], (x1 - x0) * scale / size[0], (y1 - y0) * scale / size[1]))
     norm = LogNorm(*run.speeds)
     disks = draw(axes, run, run.frame(places[0]), norm)
-    axes.set(xlabel="x (m)", ylabel="y (m)")
+    axes.set(xlabel=f"x ({run.units['length']})", ylabel=f"y ({run.units['length']})")
     edge = (0.8 + (x1 - x0) * scale) / size[0]
-    figure.colorbar(disks, cax=figure.add_axes((edge, 0.25, 0.13 / size[0], 0.5)), extend="min").set_label("speed (m/s)")
+    figure.colorbar(disks, cax=figure.add_axes((edge, 0.25, 0.13 / size[0], 0.5)), extend="min").set_label(f"speed ({run.units_per_depth['speed']})")
     for k in places:
         frame = run.frame(k)
         disks.set_offsets(np.column_stack([frame["x"], frame["y"]]))
         disks.set_array(np.clip(frame["speed"], *run.speeds))
         next(part for part in axes.collections if part.get_label() == "walls").set_segments(run.walls_at(run.times[k]))
-        axes.set_title(time_text(round(run.times[k], 3)), pad=4)
+        axes.set_title(f"{run.title}: {time_text(round(run.times[k], 3))}", pad=4)
         figure.canvas.draw()
         picture = np.asarray(figure.canvas.buffer_rgba())[:, :, :3]
         yield np.ascontiguousarray(picture[:picture.shape[0] // 2 * 2, :picture.shape[1] // 2 * 2])

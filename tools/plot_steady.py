@@ -31,29 +31,33 @@ def size_of(points):
     return extent * min((PAGE_WIDTH - 1.6) / extent[0], 5.0 / extent[1])
 
 
-def one_panel(mesh, title):
-    """(figure, axes) for a flow drawn to scale, as wide as its shape asks for."""
+def one_panel(mesh, title, radial):
+    """(figure, axes) for a flow drawn to scale, as wide as its shape asks for; radial: the ordinate is a radius."""
     low = mesh.points.min(axis=0)
     width, height = size_of(mesh.points)
     figure, axes = plt.subplots(figsize=(max(width + 1.6, 2.6), max(height, 0.7) + 0.9), layout="constrained")
     frame(axes, (*low, *np.ptp(mesh.points, axis=0)))
+    if radial:
+        axes.set_ylabel("r (m)")
     figure.suptitle(title, fontsize=10)
     return figure, axes
 
 
 def caption(run):
-    """Case, model and, where one was given, Reynolds number."""
+    """Case, model, whether it is axisymmetric, and the Reynolds number where one was given."""
     given = run.info.get("parameters") or {}
     words = [str(given["-model"])] if "-model" in given else []
+    if run.parameter("-axisymmetric", 0) > 0:
+        words.append("axisymmetric")
     reynolds = run.parameter("-reynolds", 0)
     if reynolds > 0:
         words.append(f"Reynolds number {reynolds:g}")
     return run.title + (f" ({', '.join(words)})" if words else "")
 
 
-def draw_field(mesh, field_mesh, values, label, path, title, streams=None):
+def draw_field(mesh, field_mesh, values, label, path, title, streams=None, radial=False):
     """One scalar field with the outline of the mesh; `streams`: velocity whose streamlines go on top."""
-    figure, axes = one_panel(mesh, title)
+    figure, axes = one_panel(mesh, title, radial)
     grid = Triangulation(*field_mesh.points.T, field_mesh.triangles)
     drawn = axes.tripcolor(grid, values, shading="gouraud", cmap=FIELD_MAP, rasterized=True)
     if streams is not None:
@@ -81,7 +85,7 @@ def draw_walls(run, path):
     """Wall shear and pressure along the walls below and above the fluid; zones of reversed flow grey."""
     wall, zones = run.columns("wall"), run.columns("zones")
     figure, both = plt.subplots(2, 1, figsize=(PAGE_WIDTH, 4.4), sharex=True, layout="constrained")
-    for k, (side, name) in enumerate(((-1, "walls below the fluid"), (1, "walls above it"))):
+    for k, (side, name) in enumerate(((-1, "walls below the fluid"), (1, "walls above the fluid"))):
         own = wall["side"] == side
         if not own.any():
             continue
@@ -100,7 +104,7 @@ def draw_walls(run, path):
     if np.max(abs(wall["shear"])) > 1.3 * spread:
         both[0].set_title(f"peaks at sharp edges, up to {np.max(abs(wall['shear'])):.3g} Pa, are cut off", fontsize="small")
     both[1].set_ylabel("gauge pressure at walls (Pa)")
-    both[1].set_xlabel("x (m); grey bars: reversed flow at walls below (bottom) and above (top)")
+    both[1].set_xlabel("x (m)" + ("; grey bars: reversed flow at walls below (bottom) and above (top)" if zones["side"].size else ""))
     for axes in both:
         axes.grid(True)
     both[1].legend(loc="best")
@@ -125,13 +129,14 @@ def main(arguments=None):
     field_mesh, values = read_field(run.folder / "fields.vtu")
     if len(field_mesh.triangles) not in (len(mesh.triangles), 4 * len(mesh.triangles)):  # the fields' are those of the mesh cut in four
         raise BadInput(f"{options.run}: fields.vtu and mesh.mesh do not belong together")
+    radial = run.parameter("-axisymmetric", 0) > 0
     speed = np.hypot(*values["velocity"][:, :2].T)
-    draw_field(mesh, field_mesh, speed, "speed (m/s)", out / "streamlines.png", caption(run) + ": streamlines", streams=values["velocity"])
+    draw_field(mesh, field_mesh, speed, "speed (m/s)", out / "streamlines.png", caption(run) + ": streamlines", streams=values["velocity"], radial=radial)
     made = ["streamlines.png"]
     for name, label, read in PICTURES:
         field = read(values)
         if np.ptp(field) > 0:  # k and nu_t of a laminar flow are 0
-            draw_field(mesh, field_mesh, field, label, out / f"{name}.png", f"{caption(run)}: {label.split(' (')[0]}")
+            draw_field(mesh, field_mesh, field, label, out / f"{name}.png", f"{caption(run)}: {label.split(' (')[0]}", radial=radial)
             made.append(f"{name}.png")
     if run.columns("wall")["x"].size:  # a flow between planes of symmetry has none
         draw_walls(run, out / "walls.png")

@@ -16,6 +16,8 @@ from tools.plot import plot_trajectories
 from tools.plotting import draw_outline, draw_speed, frame, panels, particle_artists, save, speed_of, speed_top, time_text
 from tools.run_folder import RunFolder
 
+DOT, LETTER = 3.0, 0.075  # points: the least diameter that is drawn; inches: a letter of a title
+
 
 def chosen_times(run, number=6):
     """Times spread over the part of the run in which most happens: until nine tenths of
@@ -35,7 +37,7 @@ def plot_transport(run, path, times=None):
     flow = read_field(field) if field.is_file() else None
     times = chosen_times(run) if times is None else times
     figure, axes, bar = panels(len(times), run.extent)
-    drawn, tiny = None, False
+    drawn, tiny, scale = None, False, axes[0].get_position().width * figure.get_figwidth() / run.extent[2]
     top, extend = speed_top([speed_of(flow[1])]) if flow else (1, "neither")
     for one, t in zip(axes, times):
         if flow:
@@ -43,18 +45,19 @@ def plot_transport(run, path, times=None):
         draw_outline(one, run.mesh, run.open)
         inside = run.particles_at(t)
         particle_artists(one, inside, clip=run.clip, spokes=bool(np.any(run.particles["theta"])))
-        dots = inside[:, inside[4] < 0.002 * run.extent[2]]
+        dots = inside[:, scale * inside[4] < 0.5 * DOT / 72]
         if dots.size:  # too small to be seen to scale
             tiny = True
-            one.plot(dots[1], dots[2], ".", markersize=3, color="black", zorder=6)
+            one.plot(dots[1], dots[2], "o", markersize=DOT, markeredgewidth=0, color="black", zorder=6)
         frame(one, run.extent, run.units["length"])
-        one.set_title(f"{time_text(t, last=max(times))}: {inside.shape[1]} inside", pad=3)
+        words = [f"{time_text(t, last=max(times))}: {inside.shape[1]} inside", time_text(t, last=max(times)), time_text(t, last=max(times)).split()[2]]
+        one.set_title(next((text for text in words if LETTER * len(text) < scale * run.extent[2] + 0.1), words[-1]), pad=3)
     if drawn is None:
         bar.remove()
     else:
-        figure.colorbar(drawn, cax=bar, extend=extend).set_label("speed of the flow (m/s)")
+        figure.colorbar(drawn, cax=bar, extend=extend).set_label(f"speed of the flow ({run.units_per_depth['speed']})")
     inches = figure.get_size_inches()
-    figure.text(0.5, 1 - 0.1 / inches[1], f"{run.title}: steady flow and particles" + (" (dots: larger than they are)" if tiny else ""), ha="center", va="top", fontsize=10)
+    figure.text(0.5, 1 - 0.1 / inches[1], run.title + (": flow and particles" if flow else ": particles") + (" (dots: larger than they are)" if tiny else ""), ha="center", va="top", fontsize=10)
     return save(figure, path)
 
 
@@ -72,7 +75,8 @@ def main(words=None):
     given = parser().parse_args(words)
     run = RunFolder(given.run)
     if not run.has("steps"):
-        raise BadInput(f"{given.run} is no run of a transport case (it has no steps.csv); python -m tools.plot draws it")
+        tool = "plot_steady" if run.has("zones") else "plot_contacts" if run.has("motion") else "plot"
+        raise BadInput(f"{given.run} is no run of a transport case (it has no steps.csv); python -m tools.{tool} draws it")
     run.warn_unfinished()
     times = None
     if given.times:

@@ -12,7 +12,7 @@ from matplotlib.collections import LineCollection, PatchCollection  # noqa: E402
 from matplotlib.patches import Ellipse, Rectangle  # noqa: E402
 from matplotlib.ticker import FixedLocator, MaxNLocator  # noqa: E402
 
-from tools.mesh_files import OPEN, SOLID, chains  # noqa: E402
+from tools.mesh_files import AXIS, OPEN, SOLID, chains  # noqa: E402
 
 FIELD_MAP = "viridis"
 # The pale end of a map is lost on white paper, so lines use the darker part.
@@ -118,13 +118,15 @@ def frame(axes, extent, length="m", pad=0.015):
 
 
 def draw_outline(axes, mesh, open_ends=OPEN):
-    """The boundary by its labels: walls thick, those of open_ends dashed, bodies in the flow thicker."""
+    """The boundary by its labels: walls thick, those of open_ends dashed, axes and planes of symmetry dotted and dashed, bodies in the flow thicker."""
     if mesh is None:
         return
     for label in np.unique(mesh.labels):
         style = {"color": "black", "linewidth": 1.1, "linestyle": "-"}
         if label in open_ends:
             style.update(color="#555555", linewidth=0.9, linestyle=(0, (4, 2)))
+        elif label == AXIS:
+            style.update(color="#555555", linewidth=0.9, linestyle=(0, (8, 2, 1, 2)))
         elif label in SOLID:
             style.update(linewidth=1.5)
         lines = [mesh.points[line] for line in chains(mesh.edges[mesh.labels == label])]

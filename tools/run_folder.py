@@ -99,6 +99,15 @@ class RunFolder:
             names["mass"] = "g"
         return names
 
+    @property
+    def units_per_depth(self):
+        """Names of the units of speed, pressure, and of force and energy per unit of depth."""
+        length, second, mass = (self.units[kind] for kind in ("length", "time", "mass"))
+        if (length, second, mass) == ("m", "s", "kg"):
+            return {"speed": "m/s", "pressure": "Pa", "force": "N/m", "energy": "J/m"}
+        return {"speed": f"{length}/{second}", "pressure": f"{mass}/({length} {second}$^2$)",
+                "force": f"{mass}/{second}$^2$", "energy": f"{mass} {length}/{second}$^2$"}
+
     @cached_property
     def period(self):
         """The period of the domain along x and y, 0 for none."""
