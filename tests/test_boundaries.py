@@ -386,6 +386,50 @@ def test_what_a_case_sets_is_asked_for_before_anything_is_computed(old, new, say
     assert done.returncode == 3 and says in done.stderr and len(done.stderr.strip().splitlines()) == 1, done.stderr
 
 
+def test_an_inlet_that_stays_shut_ends_well(freefem_text, tmp_path):
+    text = case("bodyDisk(0.5, 0.5, 0.12, 1.5);", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() (4*y*(1 - y)) // EOM")
+    freefem_text(text.replace("return 1;", "return 0;"), "-tend", 0.05, "-out", tmp_path / "run")
+    assert RunFolder(tmp_path / "run").status == "finished"
+
+
+def test_a_particle_let_go_over_an_outlet_takes_the_motion_of_the_fluid_that_is_there(freefem_text, tmp_path):
+    text = case("queueAt(0.97, 0.5, 0.12, 1, 0.);", walls="", moving="labelLeft", outlet="labelRight", slip="labelBottom, labelTop",
+                more="macro boundaryU() 1. // EOM\nmacro caseStart() { Wh one = 1.; flowU = one[]; } // EOM", gravity=0)
+    freefem_text(text, "-tend", 0.01, "-every", 0, "-out", tmp_path / "run")
+    disk = RunFolder(tmp_path / "run").table("entries")
+    assert disk["u"][0] == pytest.approx(1, abs=1e-3)
+
+
+@pytest.mark.parametrize("body, words", [("bodyPinned(bodyDisk(0.05, 0.5, 0.12, 1));", "whose velocity is not its own"), ("bodyDisk(0.05, 0.5, 0.12, 1);", "whose velocity holds it there")])
+def test_a_body_that_reaches_into_an_inlet_is_told(body, words, freefem_text, tmp_path):
+    text = case(body, walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() (4*y*(1 - y)) // EOM")
+    assert "particle 0 reaches into an inlet, " + words in freefem_text(text, "-tend", 0.01, "-out", tmp_path / "run").stdout
+
+
+def test_the_density_of_a_held_body_means_nothing(freefem_text, tmp_path):
+    """Drag on a held cylinder in a stream, and the torque, that of density 1 for any other."""
+    found = []
+    for density in (1, 0.01, 100):
+        text = case(f"bodyHeld(bodyDisk(0.41, 0.53, 0.11, {density}));", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight",
+                    more="macro boundaryU() (4*y*(1 - y)) // EOM", mu=0.02, gravity=0)
+        freefem_text(text, "-mesh", "meshes/cylinder_array.mesh", "-dt", 0.02, "-tend", 0.3, "-every", 0, "-tolerance", 1e-10, "-forces", 1, "-out", tmp_path / f"run{density}")
+        table = RunFolder(tmp_path / f"run{density}").table("forces")
+        found.append(np.array([table["fx"], table["fy"], table["torque"] / 0.11]))
+    assert abs(found[0][0]).max() > 0.1 and all(abs(one - found[0]).max() < 1e-6 for one in found[1:])
+
+
+@pytest.mark.parametrize("few", [0, 200])
+def test_a_disk_that_leaves_does_not_mind_how_many_nodes_are_in_bodies(few, freefem_text, tmp_path):
+    """Half out of the outlet, where the torque of its nodes on the side hung on that."""
+    turns = []
+    for number in (200, few):
+        text = case("bodyAdd(0.86, 0.55, 0.12, 1.2, 1, 0, 3, 1);", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight",
+                    more=f'macro boundaryU() (4*y*(1 - y)) // EOM\nmacro caseMotion(now) ghostFew = {number}; // EOM', mu=0.02, gravity=0)
+        freefem_text(text, "-mesh", "meshes/cylinder_array.mesh", "-dt", 0.01, "-tend", 0.15, "-every", 0, "-tolerance", 1e-10, "-out", tmp_path / "run", "-overwrite", 1)
+        turns.append(RunFolder(tmp_path / "run").particles["omega"])
+    assert len(turns[0]) > 10 and abs(turns[1] - turns[0]).max() < 1e-6
+
+
 @pytest.mark.parametrize("more, warned", [("macro boundryU() 1. // EOM", 1), ("macro boundaryU() 1. // EOM", 0)])
 def test_an_inlet_that_lets_in_nothing_is_told(more, warned, freefem_text, tmp_path):
     text = case("", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more=more, gravity=0)

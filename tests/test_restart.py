@@ -374,6 +374,43 @@ def test_loads_outlive_a_restart_where_bodies_come_and_go(third, tmp_path):
         assert (broken / name).read_bytes() == (whole / name).read_bytes(), name
 
 
+def test_bodies_leave_before_and_after_a_restart(tmp_path):
+    """What the scheme keeps of each body is that of the bodies of then, not of the case's."""
+    bodies = "bodyAdd(0.99, 0.3, 0.1, 2, 1.5, 0, 0, 1); bodyAdd(0.91, 0.7, 0.1, 2, 1.5, 0, 0, 1); bodyDisk(0.4, 0.5, 0.1, 0.5);"
+    text = case(bodies, more="macro boundaryU() (4*y*(1 - y)) // EOM", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight")
+    (tmp_path / "scene.edp").write_text(text)
+    whole, broken = broken_off([tmp_path / "scene.edp", "-every", "0", "-cfl", "0", "-tend", "0.2", "-forces", "1", "-checkpoint", "5"], tmp_path, 15)
+    table = numbers(whole, "particles.csv")
+    assert [set(table["id"][abs(table["t"] - t) < 1e-9]) for t in (0.01, 0.15, 0.2)] == [{0, 1, 2}, {1, 2}, {2}]
+    for name in ("particles.csv", "forces.csv"):
+        assert (broken / name).read_bytes() == (whole / name).read_bytes(), name
+
+
+@pytest.mark.parametrize("flags", [3, 4])
+def test_other_diagonals_are_another_mesh(flags, tmp_path):
+    scene = tmp_path / "scene.edp"
+    scene.write_text(case("bodyDisk(0.4, 0.5, 0.12, 3);"))
+    meshes = tmp_path / "meshes.edp"
+    meshes.write_text("int[int] sides = [13, 12, 14, 11];\n" + "".join(f'savemesh(square(16, 16, label = sides, flags = {k}), "{tmp_path}/{k}.mesh");\n' for k in (0, flags)))
+    run_freefem(meshes)
+    run_freefem(scene, "-mesh", tmp_path / "0.mesh", "-tend", "0.04", "-checkpoint", "2", "-out", tmp_path / "run")
+    other = run_freefem(scene, "-mesh", tmp_path / f"{flags}.mesh", "-tend", "0.08", "-restart", tmp_path / "run", "-out", tmp_path / "on", check=False)
+    assert other.returncode == 3 and "another mesh" in other.stderr and not (tmp_path / "on").exists()
+
+
+def test_a_file_of_particles_that_was_edited_is_told(tmp_path):
+    scene, file = tmp_path / "scene.edp", tmp_path / "disks.csv"
+    scene.write_text(case(""))
+    words = [scene, "-particles", file, "-checkpoint", "1", "-restart", tmp_path / "run", "-tend"]
+    file.write_text("id,x,y,radius,density\n0,0.4,0.5,0.12,3\n")
+    run_freefem(*words[:5], "-tend", "0.01", "-out", tmp_path / "run")
+    same = run_freefem(*words, "0.02")
+    file.write_text("id,x,y,radius,density\n0,0.4,0.5,0.12,4\n")
+    edited = run_freefem(*words, "0.03")
+    assert ["disks.csv has changed since the checkpoint" in run.stdout for run in (same, edited)] == [False, True]
+    assert "they are those of the checkpoint" in edited.stdout
+
+
 def test_a_force_on_the_fluid_that_was_edited_counts_after_a_restart(tmp_path):
     """It stands in checkpoints only where the case has changed it in the run."""
     case, speeds = tmp_path / "scene.edp", []
