@@ -386,6 +386,21 @@ def test_what_a_case_sets_is_asked_for_before_anything_is_computed(old, new, say
     assert done.returncode == 3 and says in done.stderr and len(done.stderr.strip().splitlines()) == 1, done.stderr
 
 
+@pytest.mark.parametrize("scheme", ["standard", "published"])
+def test_a_force_that_a_case_switches_off_is_off_in_either_scheme(scheme, freefem_text, tmp_path):
+    energy = []
+    for off in (0, 1):
+        more = f"macro flowForceX() (y - 0.5) // EOM\nmacro caseStep() {{ if ({off}) {{ flowFX = 0; flowFY = 0; }} }} // EOM"
+        freefem_text(case("bodyDisk(0.5, 0.6, 0.12, 1);", more=more, gravity=0), "-scheme", scheme, "-cfl", 0, "-dt", 0.02, "-tend", 0.2, "-out", tmp_path / f"run{off}")
+        energy.append(RunFolder(tmp_path / f"run{off}").fluid["kinetic_energy"][-1])
+    assert energy[1] < 0.1 * energy[0]
+
+
+def test_a_budget_with_particles_that_wait_is_refused(freefem_text, tmp_path):
+    done = freefem_text(case("queueAt(0.5, 0.5, 0.12, 1, 0.);"), "-budget", 1, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "there from the start" in done.stderr and not (tmp_path / "run").exists()
+
+
 def test_an_inlet_that_stays_shut_ends_well(freefem_text, tmp_path):
     text = case("bodyDisk(0.5, 0.5, 0.12, 1.5);", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() (4*y*(1 - y)) // EOM")
     freefem_text(text.replace("return 1;", "return 0;"), "-tend", 0.05, "-out", tmp_path / "run")
