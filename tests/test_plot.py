@@ -435,7 +435,7 @@ def test_a_run_of_contacts_alone_is_left_to_its_own_pictures(freefem, tmp_path):
     assert done.returncode == 0 and done.stderr == "", "a finished run is no reason to warn"
 
 
-@pytest.mark.parametrize("extent", [(0, 0, 1, 1), (-250, -250, 100, 100), (1000, -500, 1, 1), (0, 0, 4, 1), (-1e-4, 0, 2e-4, 5e-4), (-2, 0, 1, 8)])
+@pytest.mark.parametrize("extent", [(0, 0, 1, 1), (-250, -250, 100, 100), (1000, -500, 1, 1), (0, 0, 4, 1), (-1e-4, 0, 2e-4, 5e-4), (-2, 0, 1, 8), (0, 0, 1, 3), (1000, 0, 1, 3)])
 def test_labels_of_ticks_stay_apart_and_in_the_picture(extent, tmp_path):
     figure, axes, bar = panels(6, extent)
     bar.remove()

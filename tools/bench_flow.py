@@ -19,7 +19,6 @@ import csv
 import json
 import math
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -28,7 +27,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from tools.command import ROOT, BadInput, Parser, guarded
 from tools.plotting import MARKERS, PAGE_WIDTH, curve, plt, save
-from tools.runner import commit, freefem, machine, run_case, run_command
+from tools.runner import commit, freefem, machine, own_folder, run_case, run_command
 from tools.run_folder import RunFolder
 from tools.tables import write_table
 
@@ -180,12 +179,16 @@ def draw(rows, problems, path):
         axes.set_title(TITLES[problem])
         axes.set_xlabel("CPU time (s)")
         axes.grid(True)
-        for axis in (axes.xaxis, axes.yaxis):
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        axes.set_visible(axes.has_data())
+        for axis in (axes.xaxis, axes.yaxis) if axes.has_data() else ():
             axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
             axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
             axis.set_minor_formatter(NullFormatter())
     panels[0][0].set_ylabel("relative error")
-    figure.legend(*panels[0][0].get_legend_handles_labels(), loc="outside upper center", ncols=4)
+    named = {label: handle for axes in panels[0] for handle, label in zip(*axes.get_legend_handles_labels())}
+    figure.legend(named.values(), named, loc="outside upper center", ncols=4)
     return save(figure, path)
 
 
@@ -211,9 +214,7 @@ def main(words=None):
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})  # inherited by all runs
     out = Path(given.out).resolve()
-    out.mkdir(parents=True, exist_ok=True)
-    for name in ("runs", "meshes"):
-        shutil.rmtree(out / name, ignore_errors=True)
+    own_folder(out, "bench_flow", ("runs", "meshes"))
     rows = []
     for problem in given.problems:
         for level in range(given.levels):

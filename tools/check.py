@@ -31,7 +31,7 @@ import numpy as np
 from tools.command import BadInput, Parser, guarded
 from tools.tables import read_table
 
-TABLES = ("particles", "fluid", "contacts", "forces", "wallforces", "fluxes", "budget")
+TABLES = ("particles", "fluid", "contacts", "forces", "wallforces", "fluxes", "budget", "motion", "steps", "coupling", "entries", "exits")
 KEYS = ("id", "label", "i", "j")  # columns that tell the rows of one time apart
 NOT_COMPARED = ("step", "dt", "iterations", "gap", "worst_gap")
 SAME_TIME = 1e-9  # of the length of the run: times this close are one time

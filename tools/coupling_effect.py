@@ -101,11 +101,13 @@ def main(words=None):
     given, rest = parser().parse_known_args(words)
     if given.seeds < 1 or given.jobs < 1:
         raise BadInput("--seeds and --jobs must be at least 1")
-    if len(rest) % 2 or any(not name.startswith("-") for name in rest[::2]) or "-coupling" in rest:
-        raise BadInput(f"options of the case come in pairs, -name value, without -coupling; not {' '.join(rest)}")
+    if len(rest) % 2 or any(not name.startswith("-") for name in rest[::2]) or {"-coupling", "-seed"} & set(rest):
+        raise BadInput(f"options of the case come in pairs, -name value, without -coupling and -seed; not {' '.join(rest)}")
     out, more = Path(given.out).resolve(), dict(zip(rest[::2], rest[1::2]))
     os.makedirs(out, exist_ok=True)
     runs = [[RunFolder(folder) for folder in compute(given.seeds, out / way.replace("-", "_"), {**more, "-coupling": way}, given.jobs)] for way in ("one-way", "two-way")]
+    if not all(len(run.particles["t"]) for way in runs for run in way):
+        raise BadInput("there is a run without particles: nothing to compare")
     pairs = list(zip(*runs))
     rows = [compare(seed, *pair) for seed, pair in enumerate(pairs, 1)]
     write_table(out / "coupling_effect.csv", COLUMNS, rows)

@@ -95,6 +95,19 @@ def mp4_possible():
         return False
 
 
+def write_film(out, shots, rate, gif=False):
+    """The pictures as film.mp4, or film.gif where asked for or no mp4 can be made, in the folder `out`; returns its path."""
+    as_gif = gif or not mp4_possible()
+    path = Path(out) / ("film.gif" if as_gif else "film.mp4")
+    part = path.with_name("film_part" + path.suffix)  # a film cut short never bears the final name
+    try:
+        (write_gif if as_gif else write_mp4)(part, shots, rate)
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+    return path
+
+
 def make_film(run, out, most=300, gif=False):
     """Write film.mp4 or film.gif into the folder `out`; returns its path."""
     from tools.plot import frames_of
@@ -104,15 +117,7 @@ def make_film(run, out, most=300, gif=False):
     if len(frames) > most:
         frames = [frames[k] for k in np.unique(np.linspace(0, len(frames) - 1, most).astype(int))]
     rate = frame_rate(len(frames))
-    as_gif = gif or not mp4_possible()
-    path = Path(out) / ("film.gif" if as_gif else "film.mp4")
-    part = path.with_name("film_part" + path.suffix)  # a film cut short never bears the final name
-    try:
-        (write_gif if as_gif else write_mp4)(part, pictures(run, frames), rate)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
-    return path
+    return write_film(out, pictures(run, frames), rate, gif)
 
 
 if __name__ == "__main__":

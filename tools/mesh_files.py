@@ -42,6 +42,8 @@ def read_mesh(path):
         edges, labels = _section(words, "Edges", 2, int)
         if words[words.index("Dimension") + 1] != "2" or not len(triangles):
             raise ValueError
+        if not np.isfinite(vertices).all():
+            raise ValueError
         if min(triangles.min(), edges.min(initial=1)) < 1 or max(triangles.max(), edges.max(initial=1)) > len(vertices):
             raise ValueError
     except (ValueError, IndexError):

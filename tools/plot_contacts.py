@@ -15,8 +15,8 @@ from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.colors import LogNorm
 
 from tools.command import BadInput, Parser, guarded
-from tools.film import frame_rate, mp4_possible, write_gif, write_mp4
-from tools.plotting import BODY, BODY_EDGE, FIELD_MAP, PAGE_WIDTH, ROUNDING, curve, plt, save, time_text
+from tools.film import frame_rate, write_film
+from tools.plotting import BODY, BODY_EDGE, FIELD_MAP, PAGE_WIDTH, ROUNDING, curve, fit_ticks, plt, save, time_text
 from tools.run_folder import RunFolder
 
 MADE = ["frames", "chains", "energy", "film"]
@@ -25,6 +25,11 @@ FIGURE_TIMES = [0, 1, 10, 20, 60, 80, 100]  # of the falling particles
 
 class ContactRun(RunFolder):
     """A run folder with its frames: frame(k) is a dict of columns at times[k]."""
+
+    @cached_property
+    def low(self):
+        """Where a period begins along x and y."""
+        return tuple(self.info.get("low") or (0.0, 0.0))
 
     @cached_property
     def walls(self):
@@ -67,6 +72,14 @@ class ContactRun(RunFolder):
         """Columns of particles.csv at the k-th time, and the speed."""
         part = slice(self._starts[1][k], self._starts[1][k + 1])
         columns = {name: values[part] for name, values in self.particles.items()}
+        for name, low, period in zip("xy", self.low, self.period):
+            if period > 0:  # back into the period, with a copy over each seam that a disk crosses
+                columns[name] = low + np.mod(columns[name] - low, period)
+                ahead = np.flatnonzero(columns[name] - low < columns["radius"])
+                behind = np.flatnonzero(low + period - columns[name] < columns["radius"])
+                own = np.r_[np.arange(len(columns[name])), ahead, behind]
+                columns = {key: values[own] for key, values in columns.items()}
+                columns[name] = columns[name] + np.repeat([0.0, period, -period], [len(own) - len(ahead) - len(behind), len(ahead), len(behind)])
         columns["speed"] = np.hypot(columns["u"], columns["v"])
         return columns
 
@@ -77,7 +90,9 @@ class ContactRun(RunFolder):
         x0, x1 = (p["x"] - p["radius"]).min(), (p["x"] + p["radius"]).max()
         y0, y1 = (p["y"] - p["radius"]).min(), (p["y"] + p["radius"]).max()
         room = 0.02 * max(x1 - x0, y1 - y0)
-        return x0 - room, x1 + room, y0 - room, y1 + room
+        sides = [(x0 - room, x1 + room), (y0 - room, y1 + room)]
+        (x0, x1), (y0, y1) = [(low, low + period) if period > 0 else side for side, low, period in zip(sides, self.low, self.period)]
+        return x0, x1, y0, y1
 
     @cached_property
     def speeds(self):
@@ -97,7 +112,7 @@ def chosen(run, number=7):
     return FIGURE_TIMES if abs(end - 100) < 1 else np.linspace(run.times[0], end, number)
 
 
-def draw(axes, run, frame, speed=None, size=None):
+def draw(axes, run, frame, speed=None):
     """Walls and disks; with `speed` (LogNorm) disks are filled by it. Returns the disks."""
     axes.add_collection(LineCollection(run.walls_at(frame["t"][0]), color="black", linewidth=1.0, capstyle="round", zorder=4, label="walls"))
     width = 2 * frame["radius"]
@@ -145,11 +160,13 @@ def plot_frames(run, path, times=None):
             reach = 1.6 * frame["radius"][moving]
             right.quiver(frame["x"][moving], frame["y"][moving], reach * direction[:, 0], reach * direction[:, 1], color="black",
                          angles="xy", scale_units="xy", scale=1, width=0.008, headwidth=4, headlength=4.5, headaxislength=4, zorder=5)
-        left.set_title(time_text(run.times[places[cell]], last=run.times[places[-1]]), loc="left", pad=2)
+        left.set_title(time_text(run.times[places[cell]], run.units["time"], run.times[places[-1]]), loc="left", pad=2)
         last = cell + 2 >= len(places)
         for axis in (left, right):
             axis.tick_params(labelbottom=last, labelleft=axis is axes[cell // 2, 0], length=2)
-            axis.locator_params(nbins=4)
+            axis.locator_params(axis="y", nbins=4)
+            axis.has_neighbour = True
+            fit_ticks(axis, axis.get_position().width * figure.get_figwidth())
             if last:
                 axis.set_xlabel(f"x ({run.units['length']})")
         if cell % 2 == 0:
@@ -172,7 +189,7 @@ def plot_chains(run, path):
     t = contacts["t"][-1]
     now = contacts["t"] == t
     frame = run.frame(nearest(run, [t])[0])
-    place = {int(name): k for k, name in enumerate(frame["id"])}
+    place = {int(name): k for k, name in reversed(list(enumerate(frame["id"])))}  # of a disk, not of its copies
     strange = [int(a) for a in (*contacts["i"][now], *contacts["j"][now]) if a >= 0 and int(a) not in place]
     if strange:
         raise BadInput(f"{run.folder / 'contacts.csv'} names particle {strange[0]} at t = {t:g}, where particles.csv has none")
@@ -182,9 +199,8 @@ def plot_chains(run, path):
     force = contacts["impulse"][now] / step
     a = np.column_stack([frame["x"], frame["y"]])[i]
     normal = np.column_stack([contacts["nx"][now], contacts["ny"][now]])
-    b = a - normal * (frame["radius"][i] + contacts["gap"][now])[:, None]
-    for k in np.flatnonzero(j >= 0):
-        b[k] = frame["x"][place[j[k]]], frame["y"][place[j[k]]]
+    other = np.array([frame["radius"][place[k]] if k >= 0 else 0.0 for k in j])
+    b = a - normal * (frame["radius"][i] + contacts["gap"][now] + other)[:, None]
     x0, x1, _, _ = run.view
     y0 = run.view[2]
     y1 = (frame["y"] + frame["radius"]).max() + 0.02 * (x1 - x0)
@@ -196,7 +212,7 @@ def plot_chains(run, path):
     lines = LineCollection(np.stack([a, b], axis=1), linewidths=0.3 + thick * force / force.max(), cmap=FIELD_MAP, array=force, zorder=6, capstyle="round")
     axes.add_collection(lines)
     figure.colorbar(lines, ax=axes, shrink=0.8).set_label(f"normal force per depth ({run.units_per_depth['force']})")
-    axes.set(xlabel=f"x ({run.units['length']})", ylabel=f"y ({run.units['length']})", title=f"{run.title}: forces at {time_text(t)}")
+    axes.set(xlabel=f"x ({run.units['length']})", ylabel=f"y ({run.units['length']})", title=f"{run.title}: forces at {time_text(t, run.units['time'])}")
     return save(figure, path)
 
 
@@ -213,7 +229,7 @@ def plot_energy(run, path):
     top.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)  # a run that ends before rest has curves everywhere
     radius = run.particles["radius"].min()
     overlap = np.where(motion["worst_gap"] < -ROUNDING * radius, -motion["worst_gap"] / radius, np.nan)
-    low.set(xlabel="t (s)", ylabel="greatest overlap /\nsmallest radius")
+    low.set(xlabel=f"t ({run.units['time']})", ylabel="greatest overlap /\nsmallest radius")
     if np.isfinite(overlap).any():
         low.semilogy(t, overlap, marker=".", **curve(0))
     else:
@@ -239,10 +255,15 @@ def shots(run, places):
     figure.colorbar(disks, cax=figure.add_axes((edge, 0.25, 0.13 / size[0], 0.5)), extend="min").set_label(f"speed ({run.units_per_depth['speed']})")
     for k in places:
         frame = run.frame(k)
-        disks.set_offsets(np.column_stack([frame["x"], frame["y"]]))
-        disks.set_array(np.clip(frame["speed"], *run.speeds))
+        if any(run.period):  # copies come and go
+            for part in list(axes.collections):
+                part.remove()
+            draw(axes, run, frame, norm)
+        else:
+            disks.set_offsets(np.column_stack([frame["x"], frame["y"]]))
+            disks.set_array(np.clip(frame["speed"], *run.speeds))
         next(part for part in axes.collections if part.get_label() == "walls").set_segments(run.walls_at(run.times[k]))
-        axes.set_title(f"{run.title}: {time_text(round(run.times[k], 3))}", pad=4)
+        axes.set_title(f"{run.title}: {time_text(run.times[k], run.units['time'], run.times[-1])}", pad=4)
         figure.canvas.draw()
         picture = np.asarray(figure.canvas.buffer_rgba())[:, :, :3]
         yield np.ascontiguousarray(picture[:picture.shape[0] // 2 * 2, :picture.shape[1] // 2 * 2])
@@ -256,10 +277,7 @@ def make_film(run, out, most=300, gif=False):
         raise BadInput(f"the run {run.folder} has one time only: no film")
     if len(places) > most:
         places = list(np.unique(np.linspace(0, len(places) - 1, most).astype(int)))
-    as_gif = gif or not mp4_possible()
-    path = Path(out) / ("film.gif" if as_gif else "film.mp4")
-    (write_gif if as_gif else write_mp4)(path, shots(run, places), frame_rate(len(places)))
-    return path
+    return write_film(out, shots(run, places), frame_rate(len(places)), gif)
 
 
 def main(words=None):

@@ -26,7 +26,7 @@ def chosen_times(run, number=6):
     if run.has("exits") and len(run.columns("exits")["t"]):
         end = min(end, max(end / 3, 1.1 * float(np.quantile(run.columns("exits")["t"], 0.9))))
     times = np.linspace(0, end, number + 1)[1:]
-    return np.array([float(f"{t:.2g}") for t in times])
+    return np.minimum([float(f"{t:.2g}") for t in times], end)
 
 
 def plot_transport(run, path, times=None):

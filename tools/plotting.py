@@ -84,19 +84,23 @@ def panels(number, extent, width=PAGE_WIDTH, height=8.6, gaps=(0.2, 0.34), margi
 
 
 def fit_ticks(axes, inches):
-    """Ticks along x whose labels stay apart, and within the panel where another one stands beside it."""
+    """Ticks along x whose labels stay apart, and within the panel where another one stands beside it: two at least if that can be."""
     low, high = axes.get_xlim()
     scale = inches / (high - low)
-    for number in range(9, 0, -1):
+
+    def choice(number):
+        """Ticks of about this number, and half the width of a label in inches."""
         ticks = MaxNLocator(number, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
         ticks = ticks[(ticks >= low) & (ticks <= high)]
         half = 0.5 * DIGIT * max(map(len, axes.xaxis.get_major_formatter().format_ticks(ticks)), default=0)
-        if getattr(axes, "has_neighbour", False):
-            inside = ticks[(scale * (ticks - low) > half - OVERHANG) & (scale * (high - ticks) > half - OVERHANG)]
-            ticks = inside if len(inside) else ticks
-        if len(ticks) < 2 or scale * (ticks[1] - ticks[0]) > 2 * (half + DIGIT):
-            break
-    axes.xaxis.set_major_locator(FixedLocator(ticks))
+        inside = (scale * (ticks - low) > half - OVERHANG) & (scale * (high - ticks) > half - OVERHANG)
+        return ticks[inside] if getattr(axes, "has_neighbour", False) else ticks, half
+
+    choices = [choice(number) for number in range(9, 0, -1)]
+    choices += [(ticks[[0, -1]], half) for ticks, half in choices if len(ticks) > 2]  # the outer two
+    fits = [ticks for ticks, half in choices if len(ticks) > 1 and scale * (ticks[1] - ticks[0]) > 2 * (half + DIGIT)]
+    single = [ticks for ticks, _ in choices if len(ticks) == 1] + [choices[0][0][:1]]
+    axes.xaxis.set_major_locator(FixedLocator(fits[0] if fits else single[0]))
 
 
 def frame(axes, extent, length="m", pad=0.015):

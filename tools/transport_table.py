@@ -170,8 +170,8 @@ def main(words=None):
     given, rest = parser().parse_known_args(words)
     if given.seeds < 1 or given.jobs < 1:
         raise BadInput("--seeds and --jobs must be at least 1")
-    if len(rest) % 2 or any(not name.startswith("-") for name in rest[::2]):
-        raise BadInput(f"options of the case come in pairs, -name value; not {' '.join(rest)}")
+    if len(rest) % 2 or any(not name.startswith("-") for name in rest[::2]) or "-seed" in rest[::2]:
+        raise BadInput(f"options of the case come in pairs, -name value, without -seed (--seeds N runs 1 to N); not {' '.join(rest)}")
     places = [Path(run).resolve() for run in given.runs or ()]
     again = [str(run) for k, run in enumerate(given.runs or ()) if places[k] in places[:k]]
     if again:

@@ -66,8 +66,9 @@ def judge(run, folder):
     if not done.ok:
         return [[name, quantity, source, low, high, "nan", "no", done.cpu_s] for quantity, source, low, high in targets], done.reason
     found = read_results(folder / name)
-    return [[name, quantity, source, low, high, found[quantity], "yes" if low <= found[quantity] <= high else "no", done.cpu_s]
-            for quantity, source, low, high in targets], ""
+    missing = [quantity for quantity, *_ in targets if quantity not in found]
+    return [[name, quantity, source, low, high, found.get(quantity, "nan"), "yes" if quantity in found and low <= found[quantity] <= high else "no", done.cpu_s]
+            for quantity, source, low, high in targets], f"results.csv lacks {', '.join(missing)}" if missing else ""
 
 
 def main():

@@ -30,7 +30,7 @@ from tools.bench.scaling import scaling_jobs
 from tools.bench.scenes import OURS, PUBLISHED, contact_jobs, flow_jobs, particle_jobs, suspension_jobs
 from tools.bench.transport import transport_jobs
 from tools.command import ROOT, Parser, guarded
-from tools.runner import freefem, machine
+from tools.runner import freefem, machine, own_folder
 
 PARTS = ("flow", "particles", "contacts", "transport", "scaling", "skip")
 PACKAGES = {"ngsolve": bench_flow.PEERS["NGSolve"][1], "skfem": bench_flow.PEERS["scikit-fem"][1], "lbmpy": "lbmpy==2.0",
@@ -114,9 +114,7 @@ def main(words=None):
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})  # inherited by all runs
     out = Path(given.out).resolve()
-    out.mkdir(parents=True, exist_ok=True)
-    for name in ("runs", "trees", "meshes"):
-        shutil.rmtree(out / name, ignore_errors=True)
+    own_folder(out, "bench", ("runs", "trees", "meshes"))
     there, missing = peers(not given.no_install)
     begin, before = time.perf_counter(), load()
 
@@ -138,7 +136,7 @@ def main(words=None):
             draw(points, skipped, out / "bench.png")
     for name in ("runs", "trees"):
         shutil.rmtree(out / name, ignore_errors=True)
-    print(f"{page}\n{out / 'bench.png'}\n{out / 'bench.csv'}")
+    print("\n".join(str(path) for path in (page, out / "bench.png", out / "bench.csv") if path.is_file()))
     ours = [s for s in samples if s.program not in (PUBLISHED, *bench_contacts.PEERS, "NGSolve", "scikit-fem", "lbmpy", "SciPy")]
     return 0 if not any(s.note for s in (*ours, *skipped)) else 1
 

@@ -90,9 +90,11 @@ def draw_skipped(axes, skipped):
 
 
 def draw(points, skipped, path):
-    """Write the figure; returns its path."""
+    """Write the figure; returns its path, None where nothing has a number."""
     shown = {key: some for key, some in groups(points).items() if key != ("particles", "suspension") and any(not p.note for p in some)}
     number = len(shown) + bool(skipped)
+    if not number:
+        return None
     columns = min(3, number)
     rows = -(-number // columns)
     figure, panels = plt.subplots(rows, columns, figsize=(PAGE_WIDTH * 1.2, 2.55 * rows + 0.7), layout="constrained", squeeze=False)

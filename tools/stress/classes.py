@@ -70,7 +70,7 @@ def judge(done, checks, folder, error=None):
     if verdict is None:
         return "stable", "", depth
     if not math.isfinite(verdict[0]):
-        return "stable", "there is no reference: the reference run did not end well", depth
+        return "stable", "there is no error to judge by: the reference run did not end well, or the quantity is no number", depth
     near = verdict[0] <= verdict[1]
     return ("accurate" if near else "stable"), f"error {verdict[0]:.2g}, accurate up to {verdict[1]:g}", depth
 
