@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from conftest import ROOT
+from tools import bench_flow
 from tools.bench import __main__ as bench
 from tools.bench import skip
 from tools.bench.figure import draw
@@ -15,6 +16,7 @@ from tools.bench.page import write_page
 from tools.bench.rounds import Job, Point, collect, fitted_exponent, ratio_at_equal_error, run_rounds
 from tools.bench.timed import tree, without_calls, without_guarded
 from tools.command import BadInput
+from tools.runner import own_folder
 
 
 def curve(program, costs, errors, problem="2d1"):
@@ -141,3 +143,23 @@ def test_a_tiny_run(tmp_path, monkeypatch):
 def test_a_peer_that_is_called_wrongly_says_how(words):
     done = subprocess.run([sys.executable, "-m", "tools.peers.with_scipy", *words], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 3 and done.stderr.startswith("error: usage: python -m tools.peers.with_scipy reference|vortex LEVEL") and done.stderr.count("\n") == 1
+
+
+def test_a_folder_that_is_not_the_tools_own_is_left_as_it_is(tmp_path):
+    (tmp_path / "meshes").mkdir()
+    (tmp_path / "meshes" / "mine.mesh").write_text("")
+    with pytest.raises(BadInput, match="holds other things than those of tools.bench"):
+        own_folder(tmp_path, "bench", ("meshes",))
+    assert (tmp_path / "meshes" / "mine.mesh").is_file()
+    for _ in range(2):  # its own is emptied
+        own_folder(tmp_path / "new", "bench", ("meshes",))
+        assert not (tmp_path / "new" / "meshes").exists()
+        (tmp_path / "new" / "meshes").mkdir()
+
+
+def test_figures_of_what_has_not_run_yet(tmp_path):
+    """A problem without a row, a program that failed first, nothing at all."""
+    rows = [["cavity", "NGSolve", 0, 0, math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, "not there"],
+            ["cavity", "this suite", 0, 5427, 1.0, 0.7, 7e-3, 0, 0, 0, ""]]
+    assert bench_flow.draw(rows, ["cavity", "2d1"], tmp_path / "flow.png").stat().st_size > 5000
+    assert draw([], [], tmp_path / "none.png") is None

@@ -219,3 +219,10 @@ def test_straight_lines_match_on_any_two_sets_of_times(tmp_path_factory, slope, 
         times = np.linspace(0, 1, number)
         table(folder / f"{name}.csv", times, start + slope * times)
     assert compare(folder / "b.csv", folder / "a.csv", rtol=0, atol=1e-8 * (1 + abs(start) + abs(slope)))
+
+
+def test_every_table_of_a_run_is_compared(tmp_path):
+    for name, energy in (("run", 999), ("reference", 1)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "motion.csv").write_text(f"step,t,kinetic_energy\n1,0.1,{energy}\n")
+    assert not compare(tmp_path / "run", tmp_path / "reference", columns={"kinetic_energy": 1e-3})

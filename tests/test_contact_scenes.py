@@ -4,7 +4,7 @@ import pytest
 
 from tests.test_contact_motion import SCENE
 from tools.contact_problems import Scene
-from tools.plot_contacts import ContactRun
+from tools.plot_contacts import ContactRun, make_film, plot_chains, plot_frames
 from tools.tables import read_table
 
 
@@ -148,3 +148,20 @@ def test_a_list_of_walls_that_changes_goes_on_from_a_checkpoint(contacts, tmp_pa
     assert len(read_table(whole / "contacts.csv")["t"]) > 0
     if "Segment" in change:
         assert len(ContactRun(whole).walls) == 2 and ContactRun(whole).walls_at(0.1).shape == (3, 2, 2)
+
+
+def test_a_disk_without_weight_is_refused(contacts):
+    done = contacts("bodyDisk(0.3, 0.5, 0.1, -1);", "contactWallSegment(0, 0, 1, 0);", "-tend", 0.01, check=False)
+    assert done.returncode == 3 and "particle 0 has density -1" in done.stderr
+
+
+def test_pictures_of_a_period_show_disks_within_it_and_over_its_seams(contacts):
+    """The disks lie in a row over the seam; who has gone on by a period is drawn where its image is."""
+    bodies = "bodyAdd(0.25, 0.1, 0.1, 1, 0, 0, 0, 1); bodyAdd(0.45, 0.1, 0.1, 1, 0, 0, 0, 1); bodyAdd(1.05, 0.1, 0.1, 1, 0, 0, 0, 1);"
+    folder = contacts(bodies, "contactWallSegment(0, 0, 1, 0); contactPeriodic(0, 0, 1, 0);", "-dt", 0.001, "-tend", 0.01, gravity=-1)
+    run = ContactRun(folder)
+    assert run.period == (1, 0) and run.view[:2] == (0, 1)
+    shown = run.frame(len(run.times) - 1)
+    assert sorted(shown["x"]) == pytest.approx([0.05, 0.25, 0.45, 1.05], abs=1e-6) and len(shown["radius"]) == len(shown["speed"]) == 4
+    made = [plot_frames(run, folder / "frames.png"), plot_chains(run, folder / "chains.png"), make_film(run, folder)]
+    assert all(path.stat().st_size > 5000 for path in made)

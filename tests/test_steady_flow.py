@@ -523,3 +523,23 @@ def test_pipe_flow_tells_what_large_elements_at_the_walls_do(freefem, run_folder
     found = results(run_folder)
     assert f"its mean is {found['mean_velocity']:.6g} m/s, not 1.63333" in out
     assert f"stands {100 * found['wall_distance_mean'] / 0.1:.0f} % of the pipe's radius" in out
+
+
+def test_zones_of_slanted_walls_end_where_the_walls_do(freefem, freefem_text, tmp_path):
+    """Behind a body whose sides are slanted by 63 degrees, to its very end."""
+    mesh = tmp_path / "body.mesh"
+    freefem_text(f"""
+border low(s = 0, 1) {{ x = s; y = -0.1; label = 3; }}
+border right(s = -0.1, 0.1) {{ x = 1; y = s; label = 2; }}
+border top(s = 1, 0) {{ x = s; y = 0.1; label = 3; }}
+border left(s = 0.1, -0.1) {{ x = 0; y = s; label = 1; }}
+border b1(s = 0, 1) {{ x = 0.3 + 0.02*s; y = 0.04*s; label = 5; }}
+border b2(s = 0, 1) {{ x = 0.32 + 0.02*s; y = 0.04*(1 - s); label = 5; }}
+border b3(s = 0, 1) {{ x = 0.34 - 0.02*s; y = -0.04*s; label = 5; }}
+border b4(s = 0, 1) {{ x = 0.32 - 0.02*s; y = -0.04*(1 - s); label = 5; }}
+savemesh(buildmesh(low(50) + right(10) + top(50) + left(10) + b1(4) + b2(4) + b3(4) + b4(4)), "{mesh}");
+""")
+    freefem("cases/pipe_flow.edp", "-mesh", mesh, "-model", "laminar", "-reynolds", 60, "-out", tmp_path / "run")
+    zones = read_table(tmp_path / "run" / "zones.csv")
+    behind = (zones["separation"] > 0.3) & (zones["separation"] < 0.34)
+    assert behind.any() and zones["reattachment"][behind].max() == pytest.approx(0.34, abs=1e-6)

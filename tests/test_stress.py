@@ -137,6 +137,15 @@ def test_overlaps_of_ellipses_of_known_depth(turn, depth):
     assert wall_overlap(one, wall, (0.0, 0.0), aspect[:1])[0] == pytest.approx(max(depth, 0), abs=1e-9)
 
 
+def test_depths_at_the_tip_of_an_ellipse_are_in_semi_minor_axes():
+    """A tip 0.05 semi-major axes deep in a wall, and in another tip; aspect 0.1."""
+    table = {"t": np.zeros(2), "id": np.array([0, 1]), "radius": np.ones(2), "theta": np.zeros(2), "x": np.array([0, 1.95]), "y": np.zeros(2)}
+    aspect = np.array([0.1, 0.1])
+    assert pair_overlap(table, (0.0, 0.0), aspect)[0] == pytest.approx(0.5, rel=0.15)
+    one = {name: values[:1] for name, values in table.items()}
+    assert wall_overlap(one, np.array([[0.95, -1, 0.95, 1]]), (0.0, 0.0), aspect[:1])[0] == pytest.approx(0.5, rel=0.1)
+
+
 @settings(max_examples=60, deadline=None)
 @given(x=st.floats(-3, 3), y=st.floats(-3, 3), shift=st.integers(-3, 3), r=st.floats(0.05, 0.4), angle=st.floats(0, 6.28), depth=st.floats(-0.5, 0.5))
 def test_overlaps_of_known_depth(x, y, shift, r, angle, depth):

@@ -435,3 +435,34 @@ def test_a_flow_of_older_sources_is_not_taken(freefem, no_flow, tmp_path):
 def test_a_steady_flow_that_does_not_come_about_says_why(freefem_refused, no_flow, tmp_path):
     line = freefem_refused(4, "cases/pipe_transport.edp", "-flow", tmp_path / "flow", "-out", tmp_path / "run")
     assert "did not come about (status 4): the residual is 3 after 80 factorisations; see /tmp/steady_" in line
+
+
+@pytest.mark.parametrize("mode", ["fluctuation", "paper"])
+def test_numbers_that_a_case_draws_do_not_hang_on_the_turbulence(mode, freefem_text, tmp_path):
+    text = """
+include "lib/options.idp"
+optCase("drawn", "spheres at places drawn one by one");
+optDefault("-contacts", "0");
+real rhoFluid = 1000, mu = 0.001, gravityX = 0, gravityY = 0;
+macro carrierExact(px, py, t) carrierU = 0.; carrierSigma = 0.1; carrierRate = 1.; // EOM
+macro caseParticles() { randinit(5); for (int k = 0; k < 4; ++k) { real[int] x0(1), y0(1), r(1), d(1), z(1); x0 = randreal1(); y0 = randreal1(); r = 0.001; d = 2500; z = 0.; transportAppend(x0, y0, r, d, z, z, z); } } // EOM
+include "scripts/transport.edp"
+"""
+    places = []
+    for how in ("off", mode):
+        freefem_text(text, "-turbulence", how, "-tend", 0.001, "-out", tmp_path / how)
+        places.append(read_table(tmp_path / how / "entries.csv")["x"])
+    assert len(set(places[0])) == 4 and (places[0] == places[1]).all()
+
+
+def test_arrays_of_particles_are_of_one_length(freefem_text, tmp_path):
+    text = """
+include "lib/options.idp"
+optCase("uneven", "arrays of different lengths");
+real rhoFluid = 1000, mu = 0.001, gravityX = 0, gravityY = 0;
+macro carrierExact(px, py, t) carrierU = 0.; // EOM
+macro caseParticles() { real[int] two(2), one(1); two = 0.001; one = 2500; transportAppend(two, two, two, one, two, two, two); } // EOM
+include "scripts/transport.edp"
+"""
+    done = freefem_text(text, "-tend", 0.001, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "here are 2 x, 2 y, 2 radii, 1 densities" in done.stderr and not (tmp_path / "run").exists()

@@ -212,7 +212,7 @@ def project(scene, dt=0.01, tol=1e-10, solver="newton", repeat=1, options=None, 
         done = run_case(SCRIPT, words, limit=limit)
         if not done.ok:
             raise BadInput(done.reason)
-        velocity = np.loadtxt(f"{folder}/projected.csv", delimiter=",", skiprows=1, ndmin=2)[:, 1:]
+        velocity = np.loadtxt(f"{folder}/projected.csv", delimiter=",", skiprows=1, ndmin=2)[:, 1:3]
         contacts = read_contacts(f"{folder}/contacts.csv")
     names = "disks constraints steps factorisations residual gap time search".split()
     figures = [dict(zip(names, map(float, match))) for match in FIGURES.findall(done.log)]

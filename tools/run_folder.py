@@ -1,7 +1,7 @@
 """A run folder, read: run.json, the CSVs, the fields with their times, and the mesh.
 
     run = RunFolder("results/settling_disk/default")
-    run.info["parameters"], run.particles["y"], run.fluid["t"], run.field_at(k), run.mesh
+    run.info["parameters"], run.particles["y"], run.fluid["t"], run.field(k), run.mesh
 
 Everything is read when first asked for. Errors: BadInput naming the file and what is
 wrong. Units are those of the case; run.units gives their names.

@@ -39,8 +39,16 @@ def outline(table, row, aspect):
 def ellipse_pair(table, i, j, aspect, shift):
     """Depth in semi-minor axes of the slimmer of two bodies in each other; shift (2) brings the first to the image near the second."""
     minor = table["radius"] * aspect
-    deep = [(1 - np.hypot(*np.moveaxis(to_circle(table, a, aspect, outline(table, b, aspect) + s), -1, 0)).min()) * minor[a] for a, b, s in ((i, j, -shift), (j, i, shift))]
+    deep = [depth_in(table, a, aspect, outline(table, b, aspect) + s).max() for a, b, s in ((i, j, -shift), (j, i, shift))]
     return max(deep) / min(minor[i], minor[j])
+
+
+def depth_in(table, row, aspect, points):
+    """Depths of points (n, 2) in the body of a row, below 0 outside: to first order in them, by the level set and its gradient."""
+    z = to_circle(table, row, aspect, points)
+    r = np.maximum(np.hypot(z[:, 0], z[:, 1]), 1e-300)
+    slope = np.hypot(z[:, 0], z[:, 1] / aspect[row]) / (r * table["radius"][row])  # |grad r|
+    return (1 - r) / slope
 
 
 def solid_segments(run, period=(0.0, 0.0)):
@@ -88,7 +96,10 @@ def ellipse_walls(table, segments, period, aspect):
     here = {**table, "x": x[:, 0], "y": x[:, 1]}
     for k in range(len(x) if len(segments) else 0):
         ends = to_circle(here, k, aspect, segments.reshape(-1, 2, 2)).reshape(-1, 4)
-        depth = 1 - distance_to(np.zeros((1, 2)), ends).min()
+        start, along = ends[:, :2], ends[:, 2:] - ends[:, :2]
+        share = np.clip(-(start * along).sum(1) / np.maximum((along**2).sum(1), 1e-300), 0, 1)[:, None]
+        near = segments[:, :2] + share * (segments[:, 2:] - segments[:, :2])  # of each wall the point deepest in the ellipse
+        depth = depth_in(here, k, aspect, near).max() / (here["radius"][k] * aspect[k])
         if depth > worst:
             worst, where = float(depth), k
     return worst, where
