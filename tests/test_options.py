@@ -1,5 +1,6 @@
 """lib/options.idp: what the command line gives, and how nonsense is refused."""
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,14 @@ cout << "values " << tEnd << " " << number << " " << dt << " " << share << " " <
 def values(run):
     line = next(line for line in run.stdout.splitlines() if line.startswith("values "))
     return line.split()[1:]
+
+
+def test_a_default_has_fifteen_digits_in_words_too(freefem_text):
+    """run.json and checkpoints hold the words; a run that is given them is the same one."""
+    out = freefem_text(SCRIPT + 'cout << "words " << optValues[0] << endl;' + 'cout << "digits " << optDigits(-2.*pi/7e5) << " " << optDigits(0.1) << " " << optDigits(0.) << endl;').stdout
+    assert float(out.split("words")[1].split()[0]) == pytest.approx(1 / 3, rel=2e-15)
+    found = out.split("digits")[1].split()[:3]
+    assert float(found[0]) == pytest.approx(-2 * math.pi / 7e5, rel=2e-15) and found[1:] == ["0.1", "0"]
 
 
 def test_defaults_keep_all_their_digits_and_the_case_overrides_the_driver(freefem_text):
