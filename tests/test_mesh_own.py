@@ -1,11 +1,13 @@
 """Domains of one's own: gmsh scripts and meshes with named sides, and what is refused of them."""
 import re
+import time
 
 import numpy as np
 import pytest
 
 from conftest import ROOT
 from test_mesh import command, read
+from tools.meshing import unstructured
 from tools.meshing.checks import faults
 from tools.meshing.plane_mesh import edges_of, signed_areas
 from tools.run_folder import RunFolder
@@ -175,3 +177,11 @@ def test_the_mesh_of_a_run_is_not_written_over(tmp_path):
     done = command("own", "--from", tmp_path / "my.geo", "--out", tmp_path / "mesh.mesh")
     assert done.returncode == 3 and "is the mesh of a run" in done.stderr and done.stderr.count("\n") == 1
     assert (tmp_path / "mesh.mesh").read_text() == "MeshVersionFormatted 2"
+
+
+def test_a_gmsh_that_does_not_end_is_told(monkeypatch, capsys):
+    monkeypatch.setattr(unstructured, "PATIENCE", 0.05)
+    assert unstructured.with_gmsh(lambda gmsh: time.sleep(0.3) or 7, "no") == 7
+    assert "note: gmsh has been at work for 0.05 s" in capsys.readouterr().err
+    monkeypatch.setattr(unstructured, "PATIENCE", 60.0)
+    assert unstructured.with_gmsh(lambda gmsh: 8, "no") == 8 and capsys.readouterr().err == ""

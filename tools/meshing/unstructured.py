@@ -1,4 +1,6 @@
 """Unstructured meshes by gmsh, with element sizes that grow away from given lines."""
+import sys
+import threading
 from dataclasses import dataclass
 from functools import partial
 from math import ceil, dist
@@ -9,6 +11,7 @@ from tools.command import BadInput
 from tools.meshing.plane_mesh import finished, labels_on
 
 MOST_VERTICES = 2_000_000
+PATIENCE = 60.0  # s after which a line says that gmsh still works
 
 
 @dataclass
@@ -44,12 +47,17 @@ def triangulated(outline, size, near=(), growth=0.2, uniform=(), single=()):
 
 
 def with_gmsh(work, refusal, options=None):
-    """work(gmsh) with gmsh set up, quiet and on one core; its exceptions become BadInput with the refusal before them."""
+    """work(gmsh) with gmsh set up, quiet and on one core; its exceptions become BadInput with the refusal before them. Where curves
+    cross gmsh may search for ever: after PATIENCE seconds a line on the error stream says so."""
     try:
         import gmsh
     except (ImportError, OSError) as problem:
         raise BadInput(f"gmsh cannot be loaded ({problem}); make setup installs it") from None
     gmsh.initialize(readConfigFiles=False, interruptible=False)
+    watch = threading.Timer(PATIENCE, lambda: print(f"note: gmsh has been at work for {PATIENCE:g} s; where curves cross each other (a hole that reaches over a side) it never ends: "
+                                                    "stop it and look at the geometry", file=sys.stderr, flush=True))
+    watch.daemon = True
+    watch.start()
     try:
         # 6: frontal-Delaunay
         for option, value in ({"General.Terminal": 0, "General.NumThreads": 1, "Mesh.Algorithm": 6} | (options or {})).items():
@@ -60,6 +68,7 @@ def with_gmsh(work, refusal, options=None):
     except Exception as problem:  # gmsh raises plain Exception with its last message
         raise BadInput(f"{refusal}: {problem}") from None
     finally:
+        watch.cancel()
         gmsh.finalize()
 
 
