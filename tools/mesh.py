@@ -1,7 +1,7 @@
-"""python -m tools.mesh CASE --size 0.01 --out FILE: the mesh of a case, by gmsh or on a grid.
+"""python -m tools.mesh RECIPE --size 0.01 --out FILE: the mesh of a case, by gmsh or on a grid.
 
-Every case has a recipe under its name (python -m tools.mesh CASE --help lists its
-options); `own` takes a gmsh script or mesh of yours. The mesh is checked before it is written: all labels there, labelled edges equal
+Most cases have a recipe under their name (python -m tools.mesh RECIPE --help lists its
+options; the template and other boxes: `box`); `own` takes a gmsh script or mesh of yours. The mesh is checked before it is written: all labels there, labelled edges equal
 to the sides of the domain, no inverted or sliver element. The file is read by FreeFEM's
 readmesh with labels.
 
