@@ -494,3 +494,26 @@ def test_who_stays_keeps_diagonal_and_gain_when_another_leaves(freefem_text, tmp
     age, bodies, size, off, gains, gain_off = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("kept")).split()[1:]]
     assert (age, bodies, size, gains) == (3, 2, 6, 2)  # found anew they would be of this step, 1
     assert off < 0.1 and gain_off < 0.3
+
+
+def test_who_leaves_is_written_with_the_velocity_it_had(freefem_text, tmp_path):
+    text = case("bodyAdd(0.95, 0.5, 0.1, 2, 1.5, 0, 0, 1);", more="macro boundaryU() (4*y*(1 - y)) // EOM", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight")
+    freefem_text(text, "-every", 0, "-cfl", 0, "-dt", 0.01, "-tend", 0.2, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    gone, last = run.table("exits"), run.tracks[0]
+    assert list(gone["id"]) == [0] and gone["u"][0] == pytest.approx(last["u"][-1], rel=0.1) and gone["u"][0] > 0.7 and abs(gone["v"][0]) < 0.3
+
+
+@pytest.mark.parametrize("words", [["-forces", 1], ["-scheme", "published"], ["-scheme", "published", "-indicator", "levelset"]])
+def test_gravity_along_x_is_as_gravity_along_y(words, freefem_text, tmp_path):
+    """The scene is symmetric about the diagonal, but for the mesh: velocity and force from the first row on."""
+    text, runs = case("bodyDisk(0.5, 0.5, 0.15, 2);"), []
+    for name, gx, gy in (("down", 0, -1), ("left", -1, 0)):
+        one = text.replace("gravityX = 0", f"gravityX = {gx}").replace("gravityY = -1", f"gravityY = {gy}")
+        freefem_text(one, "-cfl", 0, "-dt", 0.01, "-every", 0, "-tend", 0.06, *words, "-out", tmp_path / name)
+        runs.append(RunFolder(tmp_path / name))
+    down, left = runs
+    assert down.particles["v"][-1] < -0.01
+    np.testing.assert_allclose(left.particles["u"], down.particles["v"], rtol=0.05 if len(words) > 2 or "published" in words else 0.02)
+    if "-forces" in words:
+        np.testing.assert_allclose(left.table("forces")["fx"], down.table("forces")["fy"], rtol=0.02)

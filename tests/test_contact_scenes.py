@@ -5,6 +5,7 @@ import pytest
 from tests.test_contact_motion import SCENE
 from tools.contact_problems import Scene
 from tools.plot_contacts import ContactRun, make_film, plot_chains, plot_frames
+from tools.run_folder import RunFolder
 from tools.tables import read_table
 
 
@@ -165,3 +166,39 @@ def test_pictures_of_a_period_show_disks_within_it_and_over_its_seams(contacts):
     assert sorted(shown["x"]) == pytest.approx([0.05, 0.25, 0.45, 1.05], abs=1e-6) and len(shown["radius"]) == len(shown["speed"]) == 4
     made = [plot_frames(run, folder / "frames.png"), plot_chains(run, folder / "chains.png"), make_film(run, folder)]
     assert all(path.stat().st_size > 5000 for path in made)
+
+
+FREE = """include "lib/bodies.idp"
+optCase("free", "disks without walls");
+real gravityX = {gx}, gravityY = {gy};
+macro caseWalls() // EOM
+macro caseParticles() {bodies} // EOM
+include "scripts/contacts.edp"
+"""
+
+
+def free_disks(freefem_text, folder, bodies, gx, gy, *words):
+    """{id: columns} of disks without walls."""
+    freefem_text(FREE.format(gx=gx, gy=gy, bodies=bodies), "-out", folder, *words)
+    return RunFolder(folder).tracks
+
+
+def test_held_disks_do_not_fall_along_x_either(freefem_text, tmp_path):
+    tracks = free_disks(freefem_text, tmp_path / "run", "bodyAdd(0, 0, 0.1, 1, 0, 0, 0, 0); bodyDisk(3, 0, 0.1, 1);", -2, 0, "-dt", 0.01, "-tend", 0.5)
+    assert abs(tracks[0]["x"]).max() == 0 and abs(tracks[0]["u"]).max() == 0
+    assert tracks[1]["u"][-1] == pytest.approx(-1)
+
+
+@pytest.mark.parametrize("upper", [0, 1])
+def test_two_disks_that_fly_beside_each_other_do_not_touch(upper, freefem_text, tmp_path):
+    """In free fall, a 500th of a diameter apart: each goes its parabola, whichever is named first."""
+    bodies = ["bodyDisk(0, 0.2002, 0.1, 1);", "bodyDisk(0.001, 0, 0.1, 1);"]
+    tracks = free_disks(freefem_text, tmp_path / "run", bodies[upper] + bodies[1 - upper], 0, -9.81, "-dt", 0.01, "-tend", 0.5, "-contact-form", "ballistic")
+    for track in tracks.values():
+        np.testing.assert_allclose(track["y"], track["y"][0] - 9.81 * track["t"] ** 2 / 2, atol=1e-12)
+
+
+def test_the_least_gap_is_that_between_the_rows_too(freefem_text, tmp_path):
+    """A disk passes a held one by 0.001 while no row is written."""
+    free_disks(freefem_text, tmp_path / "run", "bodyAdd(0, 0, 0.1, 1, 0, 0, 0, 0); bodyAdd(-0.5, 0.201, 0.1, 1, 1, 0, 0, 1);", 0, 0, "-dt", 0.01, "-tend", 0.55, "-every", 1)
+    assert read_table(tmp_path / "run" / "motion.csv")["worst_gap"][-1] < 0.0015

@@ -342,6 +342,7 @@ def test_steady_cylinder_on_a_coarse_mesh(meshes, run_folder):
     run_freefem("cases/cylinder_steady.edp", "-mesh", coarse, "-out", run_folder)
     assert value(run_folder, "drag_coefficient") == pytest.approx(5.57953523, rel=2e-3)
     assert value(run_folder, "pressure_difference") == pytest.approx(0.11752016697, rel=5e-3)
+    assert value(run_folder, "lift_coefficient") == pytest.approx(0.010618948146, rel=0.1)
     assert value(run_folder, "factorisations") <= 10
 
 

@@ -167,3 +167,29 @@ def test_a_motor_turns_a_disk_on_a_pin(freefem_text, tmp_path):
     rows = RunFolder(tmp_path / "run").particles
     assert abs(rows["x"]).max() == 0 and abs(rows["y"]).max() == 0
     assert rows["omega"][-1] == pytest.approx(torque * (1 / radius**2 - 1) / (4 * np.pi * mu), rel=0.01)
+
+
+def test_a_motor_on_a_pin_turns_against_the_torque_of_the_fluid(freefem_text, tmp_path):
+    """At rest relative to a steady spin the two are in balance."""
+    text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(60)), "{tmp_path / "round.mesh"}");\n'
+    text += scene("bodyPinned(bodyDisk(0, 0, 0.4, 2));", "bodyPush(0, 0, 0, 0.3);", mu=0.5, walls="labelWall")
+    freefem_text(text, "-mesh", tmp_path / "round.mesh", "-dt", 0.02, "-every", 0, "-tend", 2, "-forces", 1, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    assert run.table("forces")["torque"][-1] == pytest.approx(-0.3, rel=0.01)
+    # between cylinders of radii 0.4 and 1: torque = 4 pi mu omega R1^2 R2^2/(R2^2 - R1^2)
+    assert run.particles["omega"][-1] == pytest.approx(0.3 * 0.84 / (4 * np.pi * 0.5 * 0.16), rel=0.03)
+
+
+def test_velocities_by_id_are_those_of_the_body(freefem_text, tmp_path):
+    loads = 'cout << "AT " << bodyAtU(0) - bodyQ[0] << " " << bodyAtV(0) - bodyQ[1] << " " << bodyAtOmega(0) - bodyQ[2] << endl;'
+    out = freefem_text(scene("bodyAdd(0.5, 0.5, 0.12, 2, 0.1, 0.2, 3, 1);", loads), "-dt", 0.01, "-tend", 0.03, "-out", tmp_path / "run").stdout
+    found = [line for line in out.splitlines() if line.startswith("AT")]
+    assert found and set(found) == {"AT 0 0 0"}
+
+
+def test_the_work_of_a_torque_is_in_the_budget(freefem_text, tmp_path):
+    freefem_text(scene("bodyDisk(0.5, 0.5, 0.2, 3);", "bodyPush(0, 0, 0, 0.3);"), "-budget", 1, "-cfl", 0, "-dt", 0.005, "-every", 0, "-tend", 0.2, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    budget, work = run.table("budget"), 0.3 * run.particles["theta"][-1]
+    assert budget["work"][-1] == pytest.approx(work, rel=0.02)
+    assert abs(budget["kinetic_energy"][-1] + budget["dissipated"][-1] - budget["work"][-1]) < 0.1 * work

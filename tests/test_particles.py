@@ -536,3 +536,13 @@ def test_a_disk_turns_with_a_slow_shear_flow_at_long_steps(freefem, run_folder, 
             "-dt", str(reach * size**2), "-tend", str(60 * reach * size**2), "-every", "0", "-particles", disks, "-out", run_folder)
     omega = read_table(run_folder / "particles.csv")["omega"]
     assert len(omega) > 55 and omega[20:].min() > -0.52 and omega[20:].max() < -0.45
+
+
+def test_the_published_scheme_turns_a_disk_in_shear_by_either_indicator(freefem_text, tmp_path):
+    text = case("bodyDisk(0.5, 0.5, 0.2, 1);", walls="labelLeft, labelRight", moving="labelBottom, labelTop", more="macro boundaryU() (2*y - 1) // EOM", gravity=0)
+    found = {}
+    for kind in ("centre", "levelset"):
+        freefem_text(text, "-scheme", "published", "-indicator", kind, "-convection", 0, "-dt", 0.02, "-every", 0, "-tend", 0.2, "-out", tmp_path / kind)
+        found[kind] = RunFolder(tmp_path / kind).particles
+    assert found["centre"]["omega"][-1] < -0.05 and found["levelset"]["omega"][-1] == pytest.approx(found["centre"]["omega"][-1], rel=0.2)
+    assert found["centre"]["theta"][-1] == pytest.approx(np.sum(found["centre"]["omega"]) * 0.02, rel=1e-6)

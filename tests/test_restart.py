@@ -422,3 +422,28 @@ def test_a_force_on_the_fluid_that_was_edited_counts_after_a_restart(tmp_path):
         run_freefem(case, *words, "-tend", "0.2", "-restart", tmp_path / "run", "-out", tmp_path / f"on{push}")
         speeds.append(numbers(tmp_path / f"on{push}", "fluid.csv")["top_speed"][-1])
     assert abs(speeds[0] - speeds[1]) > 0.1 * speeds[0]
+
+
+def test_a_body_on_a_pin_goes_on_turning_after_a_restart(tmp_path):
+    (tmp_path / "scene.edp").write_text(case("bodyPinned(bodyDisk(0.5, 0.5, 0.15, 2));", more="macro caseLoads(now) bodyPush(0, 0, 0, 0.3); // EOM"))
+    whole, broken = broken_off([tmp_path / "scene.edp", "-every", "0", "-tend", "0.1", "-checkpoint", "4"], tmp_path, 8)
+    assert abs(numbers(whole, "particles.csv")["omega"][-1]) > 0.01
+    assert (broken / "particles.csv").read_bytes() == (whole / "particles.csv").read_bytes()
+
+
+def test_the_least_gap_since_the_last_row_outlives_a_restart(tmp_path):
+    """A disk lands between two rows, before the checkpoint."""
+    (tmp_path / "scene.edp").write_text(case("bodyAdd(0.5, 0.15, 0.1, 3, 0, 1, 0, 1);"))
+    whole, broken = broken_off([tmp_path / "scene.edp", "-every", "0.05", "-cfl", "0", "-dt", "0.01", "-tend", "0.2", "-checkpoint", "4"], tmp_path, 16)
+    np.testing.assert_array_equal(numbers(broken, "fluid.csv")["worst_gap"], numbers(whole, "fluid.csv")["worst_gap"])
+
+
+def test_carried_particles_go_on_in_the_midst_of_their_history(freefem, coarse, tmp_path):
+    """A checkpoint whose step is no multiple of the window of the history force."""
+    words = ["-mesh", coarse, "-checkpoint", 15, "-turbulence", "fluctuation", "-tend"]
+    freefem("tests/transport/queue.edp", *words, 0.12, "-out", tmp_path / "whole")
+    freefem("tests/transport/queue.edp", *words, 0.1, "-out", tmp_path / "broken")
+    for file in (tmp_path / "broken").glob("restart_000000050*"):
+        file.unlink()
+    freefem("tests/transport/queue.edp", *words, 0.12, "-restart", tmp_path / "broken")
+    assert (tmp_path / "whole" / "particles.csv").read_bytes() == (tmp_path / "broken" / "particles.csv").read_bytes()

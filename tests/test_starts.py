@@ -202,3 +202,18 @@ def test_a_turning_disk_comes_to_rest(ratio, dt, far, freefem, freefem_text, tmp
     assert abs(run["omega"] - exact)[late].max() < far * 2
     assert run["theta"][-1] == pytest.approx(np.trapezoid(rates, times), abs=far * 2 * end)
     assert (np.diff(run["omega"]) < 1e-6).all()
+
+
+@pytest.mark.parametrize("ratio", [3, 20])
+def test_torque_and_energy_of_a_spinning_disk_are_those_of_its_moment(ratio, freefem_text, tmp_path):
+    """int torque dt = J (omega_2 - omega_1), J = ratio pi R^4/2; of a heavy one the energy at first is nearly J omega^2/2, and what is lost is dissipated."""
+    text = case(f"bodyAdd(0.5, 0.5, 0.2, {ratio}, 0, 0, 3, 1);", gravity=0)
+    freefem_text(text, "-every", 0, "-cfl", 0, "-dt", 0.005, "-tend", 0.2, "-forces", 1, "-budget", 1, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    t, omega, torque, budget, moment = run.particles["t"], run.particles["omega"], run.table("forces")["torque"], run.table("budget"), ratio * np.pi * 0.2**4 / 2
+    impulse = np.sum(0.5 * (torque[11:] + torque[10:-1]) * np.diff(t[10:]))
+    assert impulse == pytest.approx(moment * (omega[-1] - omega[10]), rel=0.03)
+    if ratio == 20:  # nearly all of the energy is the disk's
+        energy = budget["kinetic_energy"]
+        assert energy[0] == pytest.approx(moment * 9 / 2, rel=0.1)
+        assert abs(energy[-1] + budget["dissipated"][-1] - energy[0]) < 0.03 * energy[0]

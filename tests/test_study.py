@@ -203,6 +203,7 @@ def test_values_that_oscillate_or_stand_still_give_no_order():
     assert convergence.estimate([1, 0.5, 0.25], [2.0, 2.0 + 1e-15, 2.0 - 1e-15]).uncertainty < 1e-14
     assert "one size" in convergence.estimate([1, 0.5], [2.0, math.nan]).note
     assert "order 2 assumed" in convergence.estimate([1, 0.5], [5.0, 2.0]).note
+    assert convergence.estimate([1, 0.5, 0.25], [2.0, 1.25, 1.0625]).uncertainty == pytest.approx(1.25 / 16)  # 1 + h^2: the order is seen
 
 
 @pytest.mark.parametrize("last", [1.1, 1.1 + 2e-16, 1.1 - 1e-13])

@@ -466,3 +466,42 @@ include "scripts/transport.edp"
 """
     done = freefem_text(text, "-tend", 0.001, "-out", tmp_path / "run", check=False)
     assert done.returncode == 3 and "here are 2 x, 2 y, 2 radii, 1 densities" in done.stderr and not (tmp_path / "run").exists()
+
+
+FLOW = """
+include "lib/options.idp"
+optCase("formula", "spheres in a flow by a formula");
+real rhoFluid = 1000, mu = 0.001, gravityX = 0, gravityY = 0;
+macro carrierExact(px, py, t) {carrier} // EOM
+macro caseParticles() {bodies} // EOM
+include "scripts/transport.edp"
+"""
+STILL = "carrierUX = 0.; carrierUY = 0.; carrierVX = 0.; carrierVY = 0.;"
+
+
+def in_formula(freefem_text, folder, carrier, bodies, *words):
+    freefem_text(FLOW.format(carrier=carrier, bodies=bodies), "-out", folder, *words)
+    return read_table(folder / "particles.csv")
+
+
+def test_who_enters_spins_as_the_flow_does(freefem_text, tmp_path):
+    """Shear of 2: half of the vorticity is -1."""
+    shear = "carrierU = 2.*py; carrierV = 0.; carrierUX = 0.; carrierUY = 2.; carrierVX = 0.; carrierVY = 0.; carrierUT = 0.; carrierVT = 0.;"
+    rows = in_formula(freefem_text, tmp_path / "run", shear, "queueAt(0, 1, 0.01, 2500, 0);", "-magnus", 1, "-dt", 0.001, "-tend", 0.01, "-every", 0.001)
+    np.testing.assert_allclose(rows["omega"], -1, atol=1e-9)
+
+
+def test_an_unsteady_flow_along_y_moves_a_sphere_as_one_along_x(freefem_text, tmp_path):
+    sphere = "real[int] x0 = [0.], y0 = [0.], r = [0.01], d = [2500.], z = [0.]; transportAppend(x0, y0, r, d, z, z, z);"
+    words = ["-fluid-acceleration", 1, "-drag", "schiller-naumann", "-dt", 0.001, "-tend", 0.1, "-every", 0.01]
+    along = in_formula(freefem_text, tmp_path / "x", f"carrierU = cos(30*t); carrierV = 0.; {STILL} carrierUT = -30*sin(30*t); carrierVT = 0.;", sphere, *words)
+    up = in_formula(freefem_text, tmp_path / "y", f"carrierV = cos(30*t); carrierU = 0.; {STILL} carrierVT = -30*sin(30*t); carrierUT = 0.;", sphere, *words)
+    assert abs(along["u"]).max() > 0.1
+    np.testing.assert_allclose(up["v"], along["u"], rtol=1e-12, atol=1e-14)
+
+
+def test_walls_move_before_the_first_particle_is_there(freefem_text, tmp_path):
+    """A piston of 1 m/s from x = -0.03 on; a sphere let go at 0.1 is pushed: at 0.15 s its centre is at 0.12 + its radius."""
+    bodies = "contactWallSegment(-0.03, -1, -0.03, 1); contactWallVelocity(0, 1, 0); queueAt(0.1, 0, 0.01, 2500, 0.05);"
+    rows = in_formula(freefem_text, tmp_path / "run", "carrierU = 0.;", bodies, "-dt", 0.001, "-tend", 0.15, "-every", 0.01)
+    assert rows["x"][-1] >= 0.13 - 1e-9
