@@ -21,7 +21,7 @@ from tools.tables import read_table
 
 SI = {"length": "m", "time": "s", "mass": "kg"}
 SYMBOLS = {"length": "L", "time": "T", "mass": "M"}  # of a case whose own parameters have no units
-SMALLER = {"length": ("cm", "mm", "um", "km"), "time": ("ms", "us", "min"), "mass": ("g", "mg", "ug", "t")}
+SMALLER = {"length": ("cm", "mm", "um", "nm", "km"), "time": ("ms", "us", "ns", "min"), "mass": ("g", "mg", "ug", "ng", "pg", "fg", "t")}
 DRIVER = {"-tend", "-dt", "-every", "-fields", "-maxwall", "-penalty"}  # options with units that every case has, whatever its own
 NEEDED = {"particles": "t id x y theta radius", "fluid": "t", "contacts": "t i j", "shapes": "id major minor", "steps": "t", "exits": "id t outlet",
           "motion": "step t kinetic_energy potential_energy worst_gap", "walls": "x1 y1 x2 y2", "wallmoves": "t wall x1 y1 x2 y2",
