@@ -1,0 +1,105 @@
+"""What a case sets is asked for before anything is computed: labels, periods, inlets, ramps, particles that cannot stand where they are put."""
+import pytest
+
+from tests.test_boundaries import PERIODIC, SEAM, case, square
+
+
+@pytest.mark.parametrize("body", ["bodyHeld(bodyDisk(0.5, {y}, 0.12, 3));", "bodyPinned(bodyEllipse(0.5, {y}, 0.12, 0.1, 0, 3));", "bodyDisk(0.5, {y}, 0.12, 3);"])
+def test_a_body_cut_by_a_plane_of_symmetry_is_told_so(body, freefem_text, tmp_path):
+    for y, said in ((0, "particle 0 is cut by the plane of symmetry, which no body may be, from ("), (1, "particle 0 overlaps the wall from (")):
+        text = case(body.format(y=y), walls="labelLeft, labelRight, labelTop", slip="labelBottom")
+        done = freefem_text(text, "-out", tmp_path / "run", check=False)
+        assert done.returncode == 5 and said in done.stderr and ("plane" in done.stderr) == (y == 0), done.stderr
+
+
+@pytest.mark.parametrize("period", [0, 1, -2])
+def test_a_waiting_particle_is_asked_for_its_size_wherever_its_period_is_counted_from(period, freefem_text, tmp_path):
+    """The elements of the mesh are 1/32 wide; half of one is asked for."""
+    text = case(f"queueAt(0.5, {0.5 + period}, 0.004, 1, 0.);", walls="", moving="labelLeft", outlet="labelRight", more=SEAM, period=1)
+    done = freefem_text(text, "-mesh", "meshes/cylinder_array.mesh", "-out", tmp_path / "run", check=False)
+    assert done.returncode == 5 and "elements across" in done.stderr and len(done.stderr.strip().splitlines()) == 1, done.stderr
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("upper, words", [(dict(edges=10), "lower and upper sides have 12 and 10 edges"), (dict(above="1 - s^1.1"), "lower and upper sides have their vertices at different places")])
+def test_sides_of_a_period_that_do_not_match_are_refused(upper, words, freefem_text, tmp_path):
+    """FreeFEM itself dies of them."""
+    mesh = tmp_path / "square.mesh"
+    done = freefem_text(square(mesh, **upper) + case("", walls="labelLeft, labelRight", more=PERIODIC, period=1), "-mesh", mesh, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and words in done.stderr and len(done.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("queue, status, words", [
+    ("queueAdd(0.95, 0.12, 1, 0.);", 5, "deep in a wall where it enters"), ("queueAdd(0.5, 0.6, 1, 0.);", 5, "deep in a wall where it enters"),
+    ("queueAdd(0.5, 0.12, -1, 0.);", 3, "has density -1"), ("queueAdd(0.5, -0.1, 1, 0.);", 3, "no radius above 0"),
+    ("queueAt(0.5, 0.95, 0.12, 1, 0.);", 5, "the waiting particle 0 (the first is 0; at (0.5, 0.95), radius 0.12) would stand 0.07 deep in a wall"),
+    ("queueAt(0.5, 1.3, 0.12, 1, 0.);", 5, "the waiting particle 0 (the first is 0) enters at (0.5, 1.3), outside the mesh"),
+    ("queueAt(sqrt(-1.), 0.5, 0.12, 1, 0.);", 3, "a place, an angle or a time that is no number"), ("queueEllipse(0.5, 0.12, 0.06, sqrt(-1.), 1, 0.);", 3, "an angle"),
+    ("queueEllipse(0.5, 0.1, 0.12, 0, 1, 0.);", 3, "is an ellipse of semi-axes 0.1 and 0.12;"), ("queueEllipse(0.5, 0.1, 0, 0, 1, 0.);", 3, "semi-axes 0.1 and 0;"),
+    ("queueEllipseAt(0.5, 0.95, 0.12, 0.06, 0, 1, 0.);", 5, "deep in a wall")])
+def test_a_waiting_particle_that_cannot_enter_is_refused(queue, status, words, freefem_text, tmp_path):
+    text = case(queue, walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() 1. // EOM")
+    done = freefem_text(text, "-out", tmp_path / "run", check=False)
+    assert done.returncode == status and words in done.stderr and len(done.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("lists", [dict(outlet="labelTop"), dict(moving="labelTop"), dict(slip="labelTop")])
+def test_a_label_has_one_condition(lists, freefem_text, tmp_path):
+    done = freefem_text(case("", **lists), "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "stands twice" in done.stderr and not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("more, period, words", [
+    (SEAM, 0, "flowPeriodY is 0,"), (SEAM, 0.9, "but the period along y is 0.9"), ("", 1, "flowPeriodY is 1,"),
+    ("macro flowPeriodicLabels() [labelBottom, labelTop] // EOM", 1, "are not periodic")])
+def test_the_settings_of_a_period_belong_together(more, period, words, freefem_text, tmp_path):
+    walls = "" if "Labels" in more else "labelBottom, labelTop"
+    text = case("", walls=walls, moving="labelLeft", outlet="labelRight", more=more, period=period)
+    done = freefem_text(text, "-mesh", "meshes/cylinder_array.mesh", "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and words in done.stderr and not (tmp_path / "run").exists()
+
+
+def test_fluxes_of_a_closed_box_are_refused(freefem_text, tmp_path):
+    done = freefem_text(case("bodyDisk(0.5, 0.5, 0.12, 3);"), "-fluxes", 1, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "-fluxes 1 is for flows with an inlet" in done.stderr and not (tmp_path / "run").exists()
+
+
+def test_an_inlet_without_an_outlet_is_refused(freefem_text, tmp_path):
+    """What flows in has no way out; 2/3 m2/s by the parabola."""
+    text = case("bodyDisk(0.5, 0.5, 0.12, 3);", walls="labelRight, labelBottom, labelTop", moving="labelLeft", more="macro boundaryU() (4*y*(1 - y)) // EOM")
+    done = freefem_text(text, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "let in 0.666667 more a second than out" in done.stderr and len(done.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("old, new, says", [
+    ("return 1;", "return acos(2 + t);", "boundaryRamp(0), the factor on the velocities at the boundary, is "),
+    ("boundaryU() 1.", "boundaryU() acos(2 + y)", "boundaryU or boundaryV is no number somewhere on label 11 (left)"),
+    ("gravityY = -1", "gravityY = acos(2.)", "gravityX is 0 and gravityY "),
+    ("include \"scripts", "macro flowForceX() log(-1. - y) // EOM\ninclude \"scripts", "flowForceX or flowForceY, the force on the fluid, is no number"),
+    ("optCase(", "// (", "the case has no name"), ("optDefault(\"-mesh\"", "// (", "no mesh is named")])
+def test_what_a_case_sets_is_asked_for_before_anything_is_computed(old, new, says, freefem_text, tmp_path):
+    text = case("", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() 1. // EOM")
+    assert old in text
+    done = freefem_text(text.replace(old, new), "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and says in done.stderr and len(done.stderr.strip().splitlines()) == 1, done.stderr
+
+
+def test_a_budget_with_particles_that_wait_is_refused(freefem_text, tmp_path):
+    done = freefem_text(case("queueAt(0.5, 0.5, 0.12, 1, 0.);"), "-budget", 1, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "there from the start" in done.stderr and not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize("body, words", [("bodyPinned(bodyDisk(0.05, 0.5, 0.12, 1));", "whose velocity is not its own"), ("bodyDisk(0.05, 0.5, 0.12, 1);", "whose velocity holds it there")])
+def test_a_body_that_reaches_into_an_inlet_is_told(body, words, freefem_text, tmp_path):
+    text = case(body, walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() (4*y*(1 - y)) // EOM")
+    assert "particle 0 reaches into an inlet, " + words in freefem_text(text, "-tend", 0.01, "-out", tmp_path / "run").stdout
+
+
+@pytest.mark.parametrize("more, warned", [("macro boundryU() 1. // EOM", 1), ("macro boundaryU() 1. // EOM", 0)])
+def test_an_inlet_that_lets_in_nothing_is_told(more, warned, freefem_text, tmp_path):
+    text = case("", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more=more, gravity=0)
+    done = freefem_text(text, "-tend", 0.01, "-out", tmp_path / "run")
+    assert ("warning: boundaryU and boundaryV are 0 all along label 11 (left)" in done.stdout) == warned
