@@ -476,7 +476,7 @@ macro carrierExact(px, py, t) {carrier} // EOM
 macro caseParticles() {bodies} // EOM
 include "scripts/transport.edp"
 """
-STILL = "carrierUX = 0.; carrierUY = 0.; carrierVX = 0.; carrierVY = 0.;"
+FLAT = "carrierUX = 0.; carrierUY = 0.; carrierVX = 0.; carrierVY = 0.;"
 
 
 def in_formula(freefem_text, folder, carrier, bodies, *words):
@@ -494,8 +494,8 @@ def test_who_enters_spins_as_the_flow_does(freefem_text, tmp_path):
 def test_an_unsteady_flow_along_y_moves_a_sphere_as_one_along_x(freefem_text, tmp_path):
     sphere = "real[int] x0 = [0.], y0 = [0.], r = [0.01], d = [2500.], z = [0.]; transportAppend(x0, y0, r, d, z, z, z);"
     words = ["-fluid-acceleration", 1, "-drag", "schiller-naumann", "-dt", 0.001, "-tend", 0.1, "-every", 0.01]
-    along = in_formula(freefem_text, tmp_path / "x", f"carrierU = cos(30*t); carrierV = 0.; {STILL} carrierUT = -30*sin(30*t); carrierVT = 0.;", sphere, *words)
-    up = in_formula(freefem_text, tmp_path / "y", f"carrierV = cos(30*t); carrierU = 0.; {STILL} carrierVT = -30*sin(30*t); carrierUT = 0.;", sphere, *words)
+    along = in_formula(freefem_text, tmp_path / "x", f"carrierU = cos(30*t); carrierV = 0.; {FLAT} carrierUT = -30*sin(30*t); carrierVT = 0.;", sphere, *words)
+    up = in_formula(freefem_text, tmp_path / "y", f"carrierV = cos(30*t); carrierU = 0.; {FLAT} carrierVT = -30*sin(30*t); carrierUT = 0.;", sphere, *words)
     assert abs(along["u"]).max() > 0.1
     np.testing.assert_allclose(up["v"], along["u"], rtol=1e-12, atol=1e-14)
 
