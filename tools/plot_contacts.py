@@ -27,11 +27,6 @@ class ContactRun(RunFolder):
     """A run folder with its frames: frame(k) is a dict of columns at times[k]."""
 
     @cached_property
-    def low(self):
-        """Where a period begins along x and y."""
-        return tuple(self.info.get("low") or (0.0, 0.0))
-
-    @cached_property
     def walls(self):
         """Segments (S, 2, 2)."""
         if not self.has("walls"):
@@ -72,14 +67,9 @@ class ContactRun(RunFolder):
         """Columns of particles.csv at the k-th time, and the speed."""
         part = slice(self._starts[1][k], self._starts[1][k + 1])
         columns = {name: values[part] for name, values in self.particles.items()}
-        for name, low, period in zip("xy", self.low, self.period):
-            if period > 0:  # back into the period, with a copy over each seam that a disk crosses
-                columns[name] = low + np.mod(columns[name] - low, period)
-                ahead = np.flatnonzero(columns[name] - low < columns["radius"])
-                behind = np.flatnonzero(low + period - columns[name] < columns["radius"])
-                own = np.r_[np.arange(len(columns[name])), ahead, behind]
-                columns = {key: values[own] for key, values in columns.items()}
-                columns[name] = columns[name] + np.repeat([0.0, period, -period], [len(own) - len(ahead) - len(behind), len(ahead), len(behind)])
+        if any(self.period):
+            rows = self.images(np.column_stack([np.arange(len(columns["x"])), *(columns[name] for name in ("x", "y", "theta", "radius", "radius"))]))
+            columns = {name: values[rows[:, 0].astype(int)] for name, values in columns.items()} | {"x": rows[:, 1], "y": rows[:, 2]}
         columns["speed"] = np.hypot(columns["u"], columns["v"])
         return columns
 

@@ -50,7 +50,8 @@ def plot_transport(run, path, times=None):
             tiny = True
             one.plot(dots[1], dots[2], "o", markersize=DOT, markeredgewidth=0, color="black", zorder=6)
         frame(one, run.extent, run.units["length"])
-        words = [f"{time_text(t, last=max(times))}: {inside.shape[1]} inside", time_text(t, last=max(times)), time_text(t, last=max(times)).split()[2]]
+        when = time_text(t, last=max(times))
+        words = [f"{when}: {inside.shape[1]} inside", when, when.split()[2]]
         one.set_title(next((text for text in words if LETTER * len(text) < scale * run.extent[2] + 0.1), words[-1]), pad=3)
     if drawn is None:
         bar.remove()

@@ -26,7 +26,7 @@ DRIVER = {"-tend", "-dt", "-every", "-fields", "-maxwall", "-penalty"}  # option
 NEEDED = {"particles": "t id x y theta radius", "fluid": "t", "contacts": "t i j", "shapes": "id major minor", "steps": "t", "exits": "id t outlet",
           "motion": "step t kinetic_energy potential_energy worst_gap", "walls": "x1 y1 x2 y2", "wallmoves": "t wall x1 y1 x2 y2",
           "wall": "x side shear pressure", "zones": "side separation reattachment"}  # columns without which a table says nothing
-KINDS = {"parameters": (dict, "an object in braces"), "units": (dict, "an object in braces"), "period": (list, "two numbers in brackets"), "open": (list, "labels in brackets")}
+KINDS = {"parameters": (dict, "an object in braces"), "units": (dict, "an object in braces"), "period": (list, "two numbers in brackets"), "low": (list, "two numbers in brackets"), "open": (list, "labels in brackets")}
 
 
 class RunFolder:
@@ -114,6 +114,11 @@ class RunFolder:
         return tuple(self.info.get("period") or (0.0, 0.0))
 
     @cached_property
+    def low(self):
+        """Where a period begins along x and y."""
+        return tuple(self.info.get("low") or self.extent[:2])
+
+    @cached_property
     def open(self):
         """Labels of the sides that are no walls: inlets, outlets, seams of a period."""
         return tuple(self.info.get("open") or OPEN)
@@ -125,7 +130,7 @@ class RunFolder:
 
     def wrapped(self, x, axis):
         """Coordinates brought back into the period."""
-        low, period = self.extent[axis], self.period[axis]
+        low, period = self.low[axis], self.period[axis]
         return low + np.mod(np.asarray(x) - low, period) if period > 0 else x
 
     def images(self, rows):
@@ -136,7 +141,7 @@ class RunFolder:
                 rows[:, 1 + axis] = self.wrapped(rows[:, 1 + axis], axis)
                 step = np.zeros(6)
                 step[1 + axis] = period
-                low, radius = rows[:, 1 + axis] - self.extent[axis], rows[:, 4]
+                low, radius = rows[:, 1 + axis] - self.low[axis], rows[:, 4]
                 rows = np.vstack([rows, rows[low < radius] + step, rows[low > period - radius] - step])
         return rows
 

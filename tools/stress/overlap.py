@@ -65,13 +65,17 @@ def solid_segments(run, period=(0.0, 0.0)):
     return np.hstack([mesh.points[kept[:, 0]], mesh.points[kept[:, 1]]])
 
 
+def nearest_on(points, segments):
+    """(R, S) shares of the way along segments (S, 4) at which they come nearest to points (R, 2)."""
+    start, along = segments[:, :2], segments[:, 2:] - segments[:, :2]
+    length = np.maximum((along**2).sum(1), 1e-300)
+    return np.clip(((points[:, None, :] - start) * along).sum(2) / length, 0, 1)
+
+
 def distance_to(points, segments):
     """(R, S) distances of points (R, 2) to segments (S, 4)."""
     start, along = segments[:, :2], segments[:, 2:] - segments[:, :2]
-    length = np.maximum((along**2).sum(1), 1e-300)
-    offset = points[:, None, :] - start
-    share = np.clip((offset * along).sum(2) / length, 0, 1)
-    return np.sqrt(((offset - share[:, :, None] * along)**2).sum(2))
+    return np.sqrt(((points[:, None, :] - start - nearest_on(points, segments)[:, :, None] * along)**2).sum(2))
 
 
 def wall_overlap(table, segments, period=(0.0, 0.0), aspect=None):
@@ -96,8 +100,7 @@ def ellipse_walls(table, segments, period, aspect):
     here = {**table, "x": x[:, 0], "y": x[:, 1]}
     for k in range(len(x) if len(segments) else 0):
         ends = to_circle(here, k, aspect, segments.reshape(-1, 2, 2)).reshape(-1, 4)
-        start, along = ends[:, :2], ends[:, 2:] - ends[:, :2]
-        share = np.clip(-(start * along).sum(1) / np.maximum((along**2).sum(1), 1e-300), 0, 1)[:, None]
+        share = nearest_on(np.zeros((1, 2)), ends)[0, :, None]
         near = segments[:, :2] + share * (segments[:, 2:] - segments[:, :2])  # of each wall the point deepest in the ellipse
         depth = depth_in(here, k, aspect, near).max() / (here["radius"][k] * aspect[k])
         if depth > worst:
