@@ -251,6 +251,7 @@ def damaged(path, old, new):
     ("shapes.csv", "", "id,major\n0,1\n", "shapes.csv has no column minor"),
     ("run.json", '"status"', '"period": "wide", "status"', '"period" must be two numbers'),
     ("run.json", '"status"', '"period": [1, "a"], "status"', '"period" must be two numbers'),
+    ("run.json", '"status"', '"low": [1], "status"', '"low" must be two numbers'),
     ("run.json", '"status"', '"units": [1], "status"', '"units" must be an object'),
     ("run.json", '"versions"', '"parameters": 3, "versions"', '"parameters" must be an object'),
 ])

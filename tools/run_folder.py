@@ -53,7 +53,7 @@ class RunFolder:
             raise BadInput(f"{path} must hold one object in braces")
         for name, (kind, words) in KINDS.items():
             value = info.get(name)
-            if value is not None and (not isinstance(value, kind) or kind is list and not all(type(one) in (int, float) for one in value) or name == "period" and len(value) != 2):
+            if value is not None and (not isinstance(value, kind) or kind is list and not all(type(one) in (int, float) for one in value) or name in ("period", "low") and len(value) != 2):
                 raise BadInput(f'{path}: "{name}" must be {words}, not {json.dumps(value)[:60]}')
         return info
 
