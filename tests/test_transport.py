@@ -92,6 +92,24 @@ def test_the_paper_s_turbulent_force_acts_across_the_flow(freefem, run_folder):
     assert np.ptp([float(row["u"]) for row in table]) < 0.2 * np.ptp([float(row["v"]) for row in table])
 
 
+def test_the_paper_s_turbulent_force_is_its_formula(freefem, tmp_path):
+    """F = (1/2) rho_f pi R^2 C U_f u'_y to the left of the flow: frozen fluctuations, which the spheres that follow the fluid show, and hardly any other force."""
+    words = ["-number", 50, "-sigma", 0.2, "-decay", 1e-9, "-turbulence-seed", 7, "-buoyancy", 0, "-added-mass", 0, "-fluid-acceleration", 0, "-lift", 0, "-magnus", 0, "-history", 0]
+    def end(name, *more):
+        freefem(SCRIPT, "-out", tmp_path / name, *words, *more)
+        table = rows(tmp_path / name / "particles.csv")
+        return np.array([[float(row["u"]), float(row["v"])] for row in table if row["t"] == table[-1]["t"]])
+    fluctuation = end("tracers", "-turbulence", "fluctuation", "-mu", 1e5, "-drag", "stokes", "-tend", 0.002, "-dt", 0.001)[:, 1]
+    assert np.std(fluctuation) == pytest.approx(0.2, rel=0.25)
+    paper = ["-turbulence", "paper", "-turbulence-coefficient", 3, "-mu", 1e-9, "-drag", "stokes", "-radius", 0.002, "-tend", 0.01, "-dt", 0.001]
+    force = 0.5 * 1000 * np.pi * 0.002**2 * 3 * fluctuation
+    mass = 2500 * 4 / 3 * np.pi * 0.002**3
+    along = end("along", "-flow", "uniform", "-speed", 2, "-start-u", 2, *paper)
+    assert along[:, 1] == pytest.approx(2 * force / mass * 0.01, rel=1e-3) and along[:, 0] == pytest.approx(2, abs=1e-6)
+    up = end("up", "-flow", "straining", "-rate", 1e-3, "-start-y", -2000, "-start-v", 2, *paper)
+    assert up[:, 0] == pytest.approx(-2 * force / mass * 0.01, rel=1e-3) and up[:, 1] == pytest.approx(2, abs=1e-3)
+
+
 QUEUE = ["-tend", 0.12, "-checkpoint", 20]
 
 
