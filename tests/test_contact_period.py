@@ -95,9 +95,10 @@ def test_the_projection_over_seams_is_that_of_a_qp_package(axes):
     assert far.figures[0]["constraints"] == answer.figures[0]["constraints"]
 
 
-def test_seams_and_walls_along_y_are_those_along_x():
-    """The image in the line x = y: also of walls that are a period long."""
-    scene = dense(1, 110, (0,), 3.0, np.vstack([WALLS, LONG]))
+@pytest.mark.parametrize("wall", [LONG, [[0.05, 0.19, 0.345, 0.205]]])
+def test_seams_and_walls_along_y_are_those_along_x(wall):
+    """The image in the line x = y: also of walls that are a period long, or nearly."""
+    scene = dense(1, 110, (0,), 3.0, np.vstack([WALLS, wall]))
     swapped = Scene(scene.x[:, ::-1], scene.radius, scene.mass, scene.velocity[:, ::-1], scene.walls[:, [1, 0, 3, 2]])
     along, across = (project(one, 0.01, 1e-11, options={word: SIDE[0]}) for one, word in ((scene, "-period-x"), (swapped, "-period-y")))
     np.testing.assert_allclose(across.velocity[:, ::-1], along.velocity, atol=1e-8)

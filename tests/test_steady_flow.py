@@ -379,6 +379,33 @@ def test_turbulent_pipe(freefem, run_folder, model, least, most):
     assert least < found["loss_coefficient"] < most
 
 
+def test_what_enters_and_heads_are_those_of_the_fields(freefem, run_folder, tmp_path):
+    """A turbulent channel: k and eddy viscosity at the inlet by their formulas; pressure and loss from the fields, p + 2/3 rho k + rho u^2/2 weighted by the flux."""
+    box = write_box(tmp_path / "box.mesh", 0.5, -0.1, 0.1, 20, 16, 3)
+    found = run(freefem, run_folder, "pipe_flow", "-mesh", box, "-model", "k-epsilon", "-pressure", 50000, "-intensity", 0.1, "-profile", "parabola")
+    mesh, data = read_field(run_folder / "fields.vtu")
+    points = mesh.points
+    ends = []
+    for x in (0, 0.5):
+        side = np.flatnonzero(np.abs(points[:, 0] - x) < 1e-9)
+        y, order = np.unique(points[side, 1].round(9), return_index=True)
+        ends.append((y, {name: np.asarray(values)[side[order]] for name, values in data.items()}))
+    (y, inlet), (_, outlet) = ends
+    energy = 1.5 * (0.1 * 2 * 2 / 3) ** 2
+    assert inlet["k"] == pytest.approx(energy, rel=1e-6)
+    assert inlet["epsilon"][len(y) // 2] == pytest.approx(0.09**0.75 * energy**1.5 / (0.07 * 0.2), rel=1e-6)
+
+    def mean(weight, values):  # the nodes are ends and middles of edges: Simpson's rule
+        rule = np.resize([2.0, 4.0], len(y))
+        rule[[0, -1]] = 1
+        return rule @ (weight * values) / (rule @ weight)
+
+    heads = [mean(side["velocity"][:, 0], side["pressure"] + 2 / 3 * 1000 * side["k"] + 500 * (side["velocity"] ** 2).sum(axis=1)) for side in (inlet, outlet)]
+    assert found["head_loss"] == pytest.approx(heads[0] - heads[1], rel=0.01)  # without 2/3 rho k a quarter less
+    assert found["pressure_inlet"] == pytest.approx(50000 + mean(np.ones(len(y)), inlet["pressure"]), abs=0.1)
+    assert found["loss_coefficient"] == pytest.approx(found["head_loss"] / (500 * (4 / 3) ** 2), rel=5e-3)
+
+
 def test_the_jet_of_a_narrow_slit_contracts(freefem, run_folder):
     # The standard production makes turbulence where the stream is only accelerated: 0.72 (within 20 %).
     found = run(freefem, run_folder, "diaphragm_loss", "-opening", 0.2, "-cells", 6, "-tolerance", 1e-3)
