@@ -13,7 +13,7 @@ from tools.command import BadInput
 from tools.run_folder import RunFolder
 from tools.tables import read_table
 from tools.transport_table import main as transport_table
-from tools.transport_table import table_of
+from tools.transport_table import fates, table_of
 from tools.validation import Context
 
 SCRIPT = "tests/transport/analytic.edp"
@@ -330,6 +330,33 @@ def test_the_table_counts_every_particle_once(tmp_path):
     rows = table_of([carried(tmp_path / "a", [0.005, 0.012, 0.028, 0.07]), carried(tmp_path / "b", [0.012, 0.09])])
     assert sum(row[2] for row in rows[:-1]) == rows[-1][2] == 3
     assert rows[-1][3:5] == [100, 0]
+
+
+def test_fates_are_what_the_table_says(tmp_path):
+    """Tracks drawn by hand: of each particle its times, x (at the first and the last of them), y, a time with u < 0 and at which x, and its outlet (-1: still there)."""
+    tracks = {0: ((0, 1), (0.1, 0.9), 0, 0, 0, 1),  # carried through
+              1: ((0, 2), (0.1, 0.2), 0, 0, 0, -1),  # before the diaphragm for two seconds
+              2: ((1.2, 2), (0, 0.2), 0, 0, 0, -1),  # on its way
+              3: ((0, 2), (0, 0.6), 0, 0.04, 0.5, -1),  # behind it, carried back for too short a time
+              4: ((0, 2), (0, 0.6), 0, 0.06, 0.5, -1),  # long enough
+              5: ((0, 2), (0, 0.9), 0, 0.2, 0.2, 0),  # carried back before it; left, but not by the outlet
+              6: ((0, 2), (0, 0.9), -0.085, 0, 0, 1),  # along the bottom: 5 mm above it
+              7: ((0, 2), (0, 0.9), -0.075, 0, 0, 1)}  # 15 mm above it
+    lines, left, step = ["step,t,id,x,y,theta,u,v,omega,radius"], ["t,id,x,y,u,v,radius,density,outlet"], 0.02
+    for t in np.arange(0, 2 + step / 2, step):
+        for one, ((start, end), (first, last), y, back, where, outlet) in tracks.items():
+            if start - 1e-9 <= t <= end + 1e-9 - step * (outlet >= 0):
+                x = first + (last - first) * (t - start) / (end - start)
+                u = -1 if back and where <= x and t < start + (end - start) * (where - first) / (last - first) + back - 1e-9 else 1
+                lines.append(f"0,{t},{one},{x},{y},0,{u},0,0,0.01")
+    left += [f"{end},{one},{last},{y},1,0,0.01,2500,{outlet}" for one, ((_, end), (_, last), y, _, _, outlet) in tracks.items() if outlet >= 0]
+    for name, text in (("particles.csv", lines), ("exits.csv", left)):
+        (tmp_path / name).write_text("\n".join(text) + "\n")
+    (tmp_path / "run.json").write_text(json.dumps({"case": "pipe_transport", "status": "finished", "parameters": {}}))
+    sizes, found = fates(RunFolder(tmp_path))
+    assert sizes == pytest.approx(0.02)
+    assert {name: list(np.flatnonzero(values)) for name, values in found.items()} == {
+        "carried through": [0, 6, 7], "trapped": [1], "behind": [3, 4], "recirculation": [4], "bottom": [6]}
 
 
 @pytest.mark.parametrize("diameters, words, says", [
