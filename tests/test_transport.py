@@ -339,7 +339,7 @@ def test_fates_are_what_the_table_says(tmp_path):
               2: ((1.2, 2), (0, 0.2), 0, 0, 0, -1),  # on its way
               3: ((0, 2), (0, 0.6), 0, 0.04, 0.5, -1),  # behind it, carried back for too short a time
               4: ((0, 2), (0, 0.6), 0, 0.06, 0.5, -1),  # long enough
-              5: ((0, 2), (0, 0.9), 0, 0.2, 0.2, 0),  # carried back before it; left, but not by the outlet
+              5: ((0, 1.5), (0, 0.2), 0, 0.2, 0.1, 0),  # carried back before it; left, but not by the outlet
               6: ((0, 2), (0, 0.9), -0.085, 0, 0, 1),  # along the bottom: 5 mm above it
               7: ((0, 2), (0, 0.9), -0.075, 0, 0, 1)}  # 15 mm above it
     lines, left, step = ["step,t,id,x,y,theta,u,v,omega,radius"], ["t,id,x,y,u,v,radius,density,outlet"], 0.02
