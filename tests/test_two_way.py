@@ -1,8 +1,11 @@
 """Two-way coupling: what the fluid gets, in closed forms (tools/transport_two_way.py), and what it leaves alone."""
+import re
+
 import pytest
 
-from tools import transport_two_way
+from tools import coupling_effect, transport_two_way
 from tools.run_folder import RunFolder
+from tools.tables import read_table
 from tools.validation import Context
 
 
@@ -119,3 +122,30 @@ def test_coupling_along_y_is_that_along_x(freefem_text, tmp_path):
         assert along[one] == pytest.approx(across[other], rel=1e-8, abs=1e-9)
     for one, other in (("momentum_y", "momentum_x"), ("pressure_drop_change", "pressure_drop_change")):
         assert flow[one] == pytest.approx(flow1[other], rel=1e-6, abs=1e-9) and abs(flow[one][-1]) > 1e-3
+
+
+def made_up(folder, places, leaves, coupling=()):
+    """A run of three particles, drawn by hand: places {id: x at 0, 1, 2 s}, leaves {id: time, outlet}; coupling: rows of coupling.csv."""
+    folder.mkdir(parents=True)
+    lines = [f"0,{t},{one},{x[t]},0,0,1,0,0,0.01" for t in (0, 1, 2) for one, x in places.items() if t < len(x)]
+    (folder / "particles.csv").write_text("\n".join(["step,t,id,x,y,theta,u,v,omega,radius", *lines]) + "\n")
+    (folder / "exits.csv").write_text("\n".join(["t,id,x,y,u,v,radius,density,outlet", *(f"{t},{one},1,0,1,0,0.01,2500,{outlet}" for one, (t, outlet) in leaves.items())]) + "\n")
+    (folder / "run.json").write_text('{"case": "pipe_transport", "status": "finished", "parameters": {}}')
+    if coupling:
+        (folder / "coupling.csv").write_text("\n".join(["t,pressure_drop_change,speed_most,change_most,volume_fraction_most", *coupling]) + "\n")
+    return folder
+
+
+def test_the_effect_of_coupling_is_told_from_both_runs(tmp_path, monkeypatch, capsys):
+    """Two of the three leave in both, 0.1 s later and 0.3 s earlier; the third lies 0.3 m further."""
+    one = made_up(tmp_path / "one", {0: [0, 0.5], 1: [0, 0.4], 2: [0, 0.1, 0.2]}, {0: (1.5, 1), 1: (1.8, 1)})
+    two = made_up(tmp_path / "two", {0: [0, 0.5], 1: [0, 0.6], 2: [0, 0.2, 0.5]}, {0: (1.6, 1), 1: (1.5, 1), 3: (1.9, 0)},
+                  ["0,0,0,0,0", "1,4,2.0,0.001,0.1", "2,-1,1.7,0.3,0.2"])
+    monkeypatch.setattr(coupling_effect, "compute", lambda seeds, out, options, jobs: [one if options["-coupling"] == "one-way" else two])
+    assert coupling_effect.main(["--seeds", "1", "--out", str(tmp_path / "out")]) == 0
+    row = {name: values[0] for name, values in read_table(tmp_path / "out/coupling_effect.csv").items()}
+    assert row == pytest.approx({"seed": 1, "pressure_drop_change_mean_Pa": 1, "pressure_drop_change_least_Pa": -1, "pressure_drop_change_most_Pa": 4, "speed_most_change_m_s": -0.3,
+                                 "velocity_change_most_m_s": 0.3, "volume_fraction_most": 0.2, "left_one_way": 2, "left_two_way": 2, "exit_time_mean_change_s": -0.1,
+                                 "exit_time_median_difference_s": 0.2, "distance_median_m": 0.2})
+    assert re.search(r"carried through +one-way +66.7 %, two-way +66.7 %", capsys.readouterr().out)
+    assert (tmp_path / "out/coupling_effect.png").stat().st_size > 10000
