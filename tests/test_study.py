@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -334,6 +335,25 @@ def test_what_has_no_value_is_named_and_old_figures_go(case, tmp_path, capsys):
     assert study.main([*words, "peak_speed", "mean_v:7:8"], square_mesh) == 1
     assert "error: no value of mean_v:7:8 in 2 of 2 runs" in capsys.readouterr().err
     assert [path.name for path in (tmp_path / "out").glob("*.png")] == ["study_peak_speed.png"]
+
+
+def test_windows_of_quantities():
+    """The one that is asked for, also between two rows; that of the case's references; else the last quarter."""
+    t = np.linspace(0, 1, 11)
+    track = {"t": t, "v": 2 * t, "u": np.where(t < 0.95, 0.0, 3.0)}
+    run = SimpleNamespace(case="drum", tracks={3: track, 7: {"t": t, "v": -t, "u": 0 * t}}, fluid={"t": t, "flux_in": 1 + 0 * t, "flux_out": np.where(t == 0.5, -0.96, -1.0), "worst_gap": 0.1 - t},
+                          particles={"radius": np.array([2.0, 0.5])})
+    assert quantities.mean_v(run) == pytest.approx(2 * 0.875) and quantities.mean_v(run, 0.23, 0.47) == pytest.approx(0.7) and quantities.mean_v(run, 0.5) == pytest.approx(1.5)
+    assert quantities.mean_v(run, particle=7) == pytest.approx(-0.875) and quantities.mean_u(run) == pytest.approx(0.1 * 3 / 2 / 0.25)
+    assert quantities.mean_v(SimpleNamespace(case="settling_disk", tracks=run.tracks)) == pytest.approx(0.7)
+    assert quantities.peak_speed(run) == pytest.approx(13**0.5) and quantities.flux_error(run) == pytest.approx(0.04) and quantities.worst_overlap(run) == pytest.approx(1.8)
+    for start, end in ((0.5, 1.1), (-0.1, 0.5), (0.6, 0.6)):
+        with pytest.raises(ValueError):
+            quantities.mean_v(run, start, end)
+    fine = np.linspace(0, 1, 1001)
+    noisy = SimpleNamespace(case="", tracks={0: {"t": fine, "v": 5 + 2 * fine - fine**2 + 0.01 * np.sin(200 * np.pi * fine)}})
+    assert quantities.noise_v(noisy, 0, 1) == pytest.approx(0.01 / 2**0.5 / (17 / 3), rel=2e-3)
+    assert quantities.noise_v(noisy, 0.2, 0.3) == pytest.approx(0.01 / 2**0.5 / np.mean(5 + 2 * fine[200:301] - fine[200:301] ** 2), rel=0.02)
 
 
 def test_the_help_names_the_arguments_of_a_quantity():
