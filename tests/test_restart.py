@@ -447,3 +447,13 @@ def test_carried_particles_go_on_in_the_midst_of_their_history(freefem, coarse, 
         file.unlink()
     freefem("tests/transport/queue.edp", *words, 0.12, "-restart", tmp_path / "broken")
     assert (tmp_path / "whole" / "particles.csv").read_bytes() == (tmp_path / "broken" / "particles.csv").read_bytes()
+
+
+@pytest.mark.parametrize("last, keep", [(0.0601, 6), (0.0601, 7)])
+def test_a_motion_that_ends_beside_a_checkpoint(last, keep, tmp_path):
+    """Given until then, at a constant speed from there on, with a free disk beside it."""
+    text = case("bodyHeld(bodyDisk(0.4, 0.5, 0.12, 1)); bodyDisk(0.7, 0.5, 0.1, 1.5);", more=f"macro caseMotion(now) if (now < {last}) givenMotion(0, 20*(now), -10*(now), 0); // EOM")
+    (tmp_path / "scene.edp").write_text(text)
+    whole, broken = broken_off([tmp_path / "scene.edp", "-every", "0", "-cfl", "0", "-dt", "0.01", "-tend", "0.12", "-forces", "1", "-checkpoint", keep], tmp_path, keep)
+    for name in ("particles.csv", "forces.csv"):
+        assert (broken / name).read_bytes() == (whole / name).read_bytes(), name
