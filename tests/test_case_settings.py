@@ -1,4 +1,6 @@
 """What a case sets is asked for before anything is computed: labels, periods, inlets, ramps, particles that cannot stand where they are put."""
+import re
+
 import pytest
 
 from tests.test_boundaries import PERIODIC, SEAM, case, square
@@ -103,3 +105,11 @@ def test_an_inlet_that_lets_in_nothing_is_told(more, warned, freefem_text, tmp_p
     text = case("", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more=more, gravity=0)
     done = freefem_text(text, "-tend", 0.01, "-out", tmp_path / "run")
     assert ("warning: boundaryU and boundaryV are 0 all along label 11 (left)" in done.stdout) == warned
+
+
+@pytest.mark.parametrize("more, told", [("macro casemotion(now) givenMotion(0, 1, 0, 0); // EOM", "casemotion"), ("macro caseLoad(now) bodyPush(0, 1, 0, 0); // EOM", "caseLoad"),
+                                        ("macro boundaryW() 1. // EOM", "boundaryW"), ("// macro caseSteps() of old", None),
+                                        ("macro caseRadius() 0.1 // EOM\nmacro caseStep() if (caseRadius > 1) exit(7); // EOM", None)])
+def test_a_macro_that_nobody_asks_for_is_told(more, told, freefem_text, tmp_path):
+    done = freefem_text(case("bodyDisk(0.5, 0.5, 0.12, 2);", more=more), "-tend", 0.01, "-out", tmp_path / "run")
+    assert re.findall(r"warning: the macro (\w+) is used nowhere", done.stdout) == [told] * (told is not None)

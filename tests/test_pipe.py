@@ -200,4 +200,4 @@ def test_every_case_runs_a_few_steps(name, tmp_path):
     from cases import CASES
 
     run = run_freefem(f"cases/{name}.edp", *CASES[name], "-out", tmp_path / "run", timeout=600)
-    assert "results in" in run.stdout
+    assert "results in" in run.stdout and "is used nowhere" not in run.stdout
