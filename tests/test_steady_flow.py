@@ -360,6 +360,7 @@ def test_a_flow_that_is_not_converged_is_not_kept(freefem, freefem_refused, run_
     (["-mesh", "nowhere.mesh"], "nowhere.mesh"),
     (["-axisymmetric", "1"], "axis"),
     (["-intensity", "2"], "between"),
+    (["-reynolds", "900"], "give -model laminar"),
     (["-modle", "laminar"], "-model"),
 ])
 def test_bad_input_is_refused(freefem, run_folder, args, says):
