@@ -50,3 +50,18 @@ def test_light_bodies_in_a_row_across_the_box_come_to_rest(density, number, step
     speed = np.hypot(bodies["u"], bodies["v"])
     late = bodies["t"] > 50 * step
     assert speed.max() < 0.0101 and speed[late].max() < 1e-3
+
+
+LANDING = {"a disk": ("bodyDisk(0.513, 0.15, 0.12, 3);", np.pi * 0.12**2, 0.12, 0.004, 2), "in short steps": ("bodyDisk(0.513, 0.15, 0.12, 3);", np.pi * 0.12**2, 0.12, 0.001, 1.2),
+           "an ellipse": ("bodyEllipse(0.4, 0.15, 0.2, 0.11, 0.3, 3);", np.pi * 0.2 * 0.11, 0.11, 0.004, 6)}
+
+
+@pytest.mark.parametrize("scene", LANDING)
+def test_the_fluid_lets_go_of_bodies_that_have_landed(scene, freefem_text, run_folder):
+    """What had been pressed out from under them stayed as a pressure there: it bore all of the weight, and turned the disk."""
+    body, area, lowest, step, end = LANDING[scene]
+    freefem_text(case(body, gravity=-5), "-dt", step, "-tend", end, "-forces", 1, "-every", 0.02, "-out", run_folder)
+    forces, bodies, contacts = (read_table(run_folder / f"{name}.csv") for name in ("forces", "particles", "contacts"))
+    late, weight = forces["t"] > end - 0.2, 5 * 2 * area
+    assert np.abs(forces["fy"][late]).max() < 0.02 * weight and abs(contacts["impulse"][-1] / step / weight - 1) < 0.02
+    assert abs(bodies["omega"][-1]) < 0.002 and bodies["y"][-1] < lowest + 1e-4
