@@ -217,3 +217,19 @@ def test_torque_and_energy_of_a_spinning_disk_are_those_of_its_moment(ratio, fre
         energy = budget["kinetic_energy"]
         assert energy[0] == pytest.approx(moment * 9 / 2, rel=0.1)
         assert abs(energy[-1] + budget["dissipated"][-1] - energy[0]) < 0.03 * energy[0]
+
+
+@pytest.mark.parametrize("way", ["ramp", "one inlet"])
+def test_a_stream_that_speeds_up_evenly_takes_a_disk_along_from_the_first_step_on(way, freefem_text, tmp_path):
+    """A plug flow U = t/0.2 up to 1: a disk of its density moves as it does, and its force is its mass times dU/dt. It stood still, went up to 8 % too fast, and the force rang from 2.6 to -2.1."""
+    text = case("bodyDisk(0.43, 0.52, 0.15, 1);", walls="", moving="labelLeft", outlet="labelRight", slip="labelBottom, labelTop", gravity=0, mu=0.001, more="macro boundaryU() 1. // EOM")
+    if way == "ramp":
+        text = text.replace("return 1;", "return min(1., t/0.2);")
+    else:
+        text = text.replace("macro boundaryU", "macro caseBoundary(now) inflowScale(labelLeft, min(1., (now)/0.2)); // EOM\nmacro boundaryU")
+    assert "/0.2)" in text
+    freefem_text(text, "-dt", 0.02, "-cfl", 0, "-every", 0, "-tend", 0.3, "-forces", 1, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    time, force = run.table("forces")["t"], run.table("forces")["fx"] / (np.pi * 0.15**2 * 5)
+    assert run.particles["u"] == pytest.approx(np.minimum(1, run.particles["t"] / 0.2), rel=0.01)
+    assert force[(time > 0.01) & (time < 0.201)] == pytest.approx(1, abs=0.05) and force[time > 0.201] == pytest.approx(0, abs=0.05)
