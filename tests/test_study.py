@@ -104,6 +104,19 @@ def test_what_a_run_depends_on_holds_the_files_that_its_case_names(case, tmp_pat
     assert keys[0] != keys[1] == keys[2]
 
 
+@pytest.mark.parametrize("name", ["deep.idp", "walls.txt", "own.msh"])
+def test_what_a_run_depends_on_holds_what_its_includes_include(case, tmp_path, name):
+    """Also where two include each other, and one stands beside its script."""
+    (tmp_path / "a.idp").write_text(f'include "{tmp_path}/b.idp"\n')
+    (tmp_path / "b.idp").write_text(f'include "../{tmp_path.name}/a.idp"\n"{tmp_path / name}"\n')
+    case.write_text('include "a.idp"\n' + SCRIPT)
+    keys = []
+    for text in ("1", "2", "2"):
+        (tmp_path / name).write_text(text)
+        keys.append(fingerprint(str(case), {"-dt": 0.1}))
+    assert keys[0] != keys[1] == keys[2]
+
+
 def test_a_failed_run_is_a_row_with_its_reason(case, tmp_path, capsys):
     words = [str(case), "--meshsize", "0.1", "0.05", "--dt", "0.02", "0.01", "--quantity", "mean_v:0.3:0.4",
              "--out", str(tmp_path / "out"), "--", "-fail", "0.015"]

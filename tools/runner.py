@@ -26,6 +26,7 @@ from tools.command import ROOT, BadInput
 MEASURE = Path(__file__).with_name("measure.py")
 LIVE = set()  # the runs under way, for end_all
 SOURCES = ("lib/*.idp", "scripts/*.edp", "scripts/*.idp")
+NAMED = re.compile(r'"([^"\n]+\.(edp|idp|mesh|csv|msh|geo|txt|dat))"')  # files that a script speaks of
 STATUSES = {1: "syntax error", 2: "a plug-in cannot be loaded", 3: "bad option or input file", 4: "solver failure",
             5: "inadmissible scene", 6: "assertion inside FreeFEM", 8: "error at run time"}
 
@@ -74,15 +75,26 @@ def option_words(options):
     return words
 
 
+def named_files(script):
+    """The files that a script names in quotes, from the root or beside it, and those that its includes name, however deep."""
+    found, waiting = set(), [script]
+    while waiting:
+        path = waiting.pop()
+        for name, kind in NAMED.findall(path.read_text(encoding="utf-8", errors="replace")):
+            new = {file.resolve() for file in (ROOT / name, path.parent / name) if file.is_file()} - found
+            found |= new
+            waiting += new if kind in ("edp", "idp") else ()
+    return found
+
+
 def fingerprint(script, options):
     """What a run depends on, as a short hash: script, libraries, options, the contents of files that options and script name
-    (its default mesh, the case that computes the flow it takes over), program."""
+    (its includes and theirs, its default mesh, the case that computes the flow it takes over), program."""
     files = {name: ROOT / str(value) for name, value in options.items() if (ROOT / str(value)).is_file()}
     words = [script, [(name, "" if name in files else str(value)) for name, value in sorted(options.items())], freefem()]
-    named = {ROOT / name for name in re.findall(r'"([^"\n]+\.(?:edp|idp|mesh|csv))"', (ROOT / script).read_text(encoding="utf-8"))}
     sources = {path for pattern in SOURCES for path in ROOT.glob(pattern)}
     total = hashlib.sha256(json.dumps(words).encode())
-    for path in [ROOT / script, *sorted(sources | {path for path in named if path.is_file()}), *(files[name] for name in sorted(files))]:
+    for path in [ROOT / script, *sorted(sources | named_files(ROOT / script)), *(files[name] for name in sorted(files))]:
         total.update(path.read_bytes())
     return total.hexdigest()[:20]
 
