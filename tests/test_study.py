@@ -332,12 +332,18 @@ def test_a_recipe_may_have_options_and_a_study_of_steps_a_mesh_of_its_own(case, 
     words = [str(case), "--quantity", "mean_v", "--out", str(tmp_path / "out"), "--dt", "0.1", "0.05"]
     assert study.main([*words, "--meshsize", "0.5", "--recipe", "box --sides named --width 1 --height 1"]) == 0
     made, = (tmp_path / "out" / "meshes").glob("*.mesh")
-    assert made.name == "box_sides_named_width_1_height_1_0.5.mesh" and set(read_mesh(made).labels) == {11, 12, 13, 14}
+    assert re.fullmatch("box_sides_named_width_1_height_1_[0-9a-f]{8}_0.5.mesh", made.name) and set(read_mesh(made).labels) == {11, 12, 13, 14}
     before = rows_of(tmp_path / "out")
     assert study.main([*words, "--", "-mesh", str(made)]) == 0
     assert [row["value"] for row in rows_of(tmp_path / "out")] == [row["value"] for row in before]
     with pytest.raises(BadInput, match="-mesh is set by the study"):
         study.main([*words, "--meshsize", "0.5", "--", "-mesh", str(made)])
+
+
+def test_meshes_of_recipes_that_differ_in_a_sign_have_files_of_their_own():
+    names = {study.mesh_name(["own", "--from", file], 0.1) for file in ("my-1.geo", "my_1.geo", "my 1.geo")}
+    assert len(names) == 3 and all(name.startswith("own_from_my_1.geo_") for name in names)
+    assert study.mesh_name(["settling_disk"], 0.05) == "settling_disk_0.05.mesh"
 
 
 def test_what_has_no_value_is_named_and_old_figures_go(case, tmp_path, capsys):

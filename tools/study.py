@@ -23,6 +23,7 @@ keep them by -- -cfl 0.
 Status 0: all runs ended well; 1: some failed; 3: bad input.
 """
 import concurrent.futures
+import hashlib
 import itertools
 import json
 import math
@@ -89,11 +90,18 @@ def require_recipe(recipe):
                        f"({', '.join(sorted(RECIPES))}), or leave --meshsize out and study --dt on the case's own mesh")
 
 
+def mesh_name(recipe, size):
+    """The file's name of the mesh of a recipe (its words) and an element size; a short hash tells apart words that differ in signs only."""
+    plain = re.sub("[^A-Za-z0-9.]+", "_", " ".join(recipe))
+    mark = "_" + hashlib.sha256(shlex.join(recipe).encode()).hexdigest()[:8] if len(recipe) > 1 else ""
+    return f"{plain}{mark}_{size:.12g}.mesh"
+
+
 def make_mesh(study, size):
     """The mesh file of an element size, made by tools.mesh unless it is there already.
     Raises BadInput with the reason."""
     recipe = shlex.split(study.recipe or study.case)
-    path = Path(study.out) / "meshes" / f"{re.sub('[^A-Za-z0-9.]+', '_', ' '.join(recipe))}_{size:.12g}.mesh"
+    path = Path(study.out) / "meshes" / mesh_name(recipe, size)
     makers = [*ROOT.glob("tools/mesh.py"), *ROOT.glob("tools/meshing/*.py"), *(ROOT / word for word in recipe[1:] if (ROOT / word).is_file())]
     if path.is_file() and all(path.stat().st_mtime > maker.stat().st_mtime for maker in makers):
         return path
