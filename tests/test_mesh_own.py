@@ -114,6 +114,16 @@ def test_a_size_bounds_the_elements_and_makes_none_coarser(line, size, largest, 
     assert edge_lengths(read(tmp_path / "my.mesh")).max() < largest
 
 
+@pytest.mark.parametrize("words", [(), ("--proportional",)])
+@pytest.mark.parametrize("commands", ["Mesh 1;", "Mesh 2;", "Mesh 2; RefineMesh;"])
+def test_a_script_that_meshes_itself_is_meshed_anew_with_a_size(commands, words, tmp_path):
+    counts = []
+    for text in (SCRIPT, SCRIPT + commands + "\n"):
+        assert made(tmp_path, text, "--size", 0.06, *words).returncode == 0
+        counts.append(len(read(tmp_path / "my.mesh").points))
+    assert counts[0] == counts[1]
+
+
 def test_a_script_is_scaled_by_its_own_factor(tmp_path):
     assert made(tmp_path, SCRIPT + "Mesh.ScalingFactor = 1000;\n", "--size", 100).returncode == 0
     mesh = read(tmp_path / "my.mesh")

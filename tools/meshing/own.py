@@ -11,7 +11,7 @@ A physical curve within the domain is left out, with a warning; so are surfaces 
 to no physical surface where there is one. A script is meshed with its own element sizes, or with --size
 where those are larger (transfinite curves keep their points), and scaled by its Mesh.ScalingFactor; --size
 is a size of the scaled mesh. For a refinement study of a script with several sizes add --proportional: all sizes
-by one factor, so that the largest elements are of --size. Sides of a period need matching nodes (gmsh: Periodic Curve).
+by one factor, so that the largest elements are of --size. With --size it is meshed anew, whatever commands Mesh and RefineMesh the script has. Sides of a period need matching nodes (gmsh: Periodic Curve).
 """
 import re
 import sys
@@ -76,6 +76,8 @@ def read(gmsh, source, size, all_sizes=False):
         scale, factor, largest, least, every = (gmsh.option.getNumber("Mesh." + name) for name in ("ScalingFactor", "MeshSizeFactor", "MeshSizeMax", "MeshSizeMin", "SaveAll"))
         if not (scale > 0 and factor > 0):
             raise BadInput(f"'{source}' has Mesh.ScalingFactor {scale:g} and Mesh.MeshSizeFactor {factor:g}: both must be above 0")
+        if size:
+            gmsh.model.mesh.clear()  # curves that a command Mesh of the script has divided would stay as they are
         if size and all_sizes:
             proportional(gmsh, scale, factor, size)
         elif size:
