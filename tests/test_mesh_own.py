@@ -84,6 +84,9 @@ def test_a_mesh_by_gmsh_gives_the_same(version, tmp_path):
     (SCRIPT, "my.step", "takes a gmsh script"),
     (SCRIPT.rstrip("\n"), "my.geo", "ends without a newline"),
     (SCRIPT + "Mesh.ScalingFactor = 0;\n", "my.geo", "must be above 0"),
+    (SCRIPT + "Transfinite Surface {2}; Recombine Surface {2};\n", "my.geo", "only triangles of three nodes are taken: leave out Recombine"),
+    (SCRIPT + "Recombine Surface {1, 2};\n", "my.geo", "quadrilaterals of 4 nodes"),
+    (SCRIPT + "Mesh.ElementOrder = 2;\n", "my.geo", "triangles of 6 nodes; only triangles of three nodes are taken: leave out Mesh.ElementOrder"),
 ])
 def test_what_is_no_domain_is_refused_in_one_line(text, name, words, tmp_path):
     done = made(tmp_path, text, name=name)

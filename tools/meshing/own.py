@@ -27,6 +27,7 @@ from tools.meshing.plane_mesh import finished
 from tools.meshing.unstructured import extracted, with_gmsh
 
 KINDS = (".geo", ".msh")
+TRIANGLE = 2  # gmsh's number of the triangle of three nodes
 MOST = 1e8  # squares of the element size in the box round a domain
 
 
@@ -64,6 +65,16 @@ def proportional(gmsh, scale, factor, size):
     gmsh.option.setNumber("Mesh.MeshSizeFactor", factor * size / largest)
 
 
+def require_triangles(gmsh, source, surfaces):
+    """Raises BadInput where surfaces ([-1]: all) hold other elements than triangles of three nodes."""
+    for surface in surfaces:
+        for kind in gmsh.model.mesh.getElementTypes(2, surface):
+            if kind != TRIANGLE:
+                number, (name, _, _, nodes, *_) = len(gmsh.model.mesh.getElementsByType(kind, surface)[0]), gmsh.model.mesh.getElementProperties(kind)
+                remedy = "Recombine" if name.startswith("Quad") else "Mesh.ElementOrder"
+                raise BadInput(f"'{source}' holds {number} {name.split()[0].lower()}s of {nodes} nodes; only triangles of three nodes are taken: leave out {remedy}")
+
+
 def read(gmsh, source, size, all_sizes=False):
     """The PlaneMesh of a file, meshed if it is a script; all_sizes: --proportional. Raises BadInput."""
     if all_sizes and not size:
@@ -92,6 +103,7 @@ def read(gmsh, source, size, all_sizes=False):
             surfaces = {tag for pair in gmsh.model.getPhysicalGroups(2) for tag in gmsh.model.getEntitiesForPhysicalGroup(*pair)}
     elif size:
         raise BadInput(f"--size is for scripts; '{source}' is meshed already")
+    require_triangles(gmsh, source, sorted(surfaces) or [-1])
     points, triangles, number = extracted(gmsh, sorted(surfaces) or [-1])
     points *= scale
     if len(triangles) == 0:
