@@ -226,6 +226,8 @@ BAD = [
     (["box_corridor", "--corridor-bottom", 5, "--corridor-top", 4], "not upwards within the box"),
     (["box_corridor", "--corridor-top", 7], "not upwards within the box"),
     (["cavity", "--size", 1e-7], "vertices"),
+    (["backward_step", "--stretch", 0.97], "must be at least 1"),
+    (["sudden_expansion", "--stretch", 0.97], "must be at least 1"),
     (["cavity", "--size", 1e-300], "vertices"),  # refused by its number, before any array
     *(([case, "--size", 1e-15], "vertices") for case in ("box", "box_corridor", "backward_step", "sudden_expansion", "couette")),
     (["backward_step", "--size", 1], "too large"),

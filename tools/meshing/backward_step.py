@@ -5,7 +5,7 @@ The step's edge stands at (0, 1); the channel behind it is 0 <= y <= 2, the inle
 """
 import numpy as np
 
-from tools.meshing.options import add_length, add_pattern_structured, add_size, non_negative, require_cells
+from tools.meshing.options import add_length, add_pattern_structured, add_size, non_negative, require_cells, require_stretch
 from tools.meshing.outline import Outline
 from tools.meshing.structured import even, gridded, growing, joined
 
@@ -21,11 +21,12 @@ def add_options(parser):
 
 def build(options):
     o = options
+    require_stretch(o.stretch)
     require_cells(o.size, 1.0, "the inlet channel")
     outline = step_outline(o.inlet_length, o.outlet_length)
-    pieces = [growing(0.0, o.outlet_length, o.size, max(o.stretch, 1.0), o.longest * o.size)]
+    pieces = [growing(0.0, o.outlet_length, o.size, o.stretch, o.longest * o.size)]
     if o.inlet_length > 0:
-        pieces.append(growing(0.0, -o.inlet_length, o.size, max(o.stretch, 1.0), o.longest * o.size)[::-1])
+        pieces.append(growing(0.0, -o.inlet_length, o.size, o.stretch, o.longest * o.size)[::-1])
     ys = joined(even(0.0, 1.0, o.size), even(1.0, 2.0, o.size))
     return outline, gridded(outline, joined(*pieces), ys, o.pattern, keep=lambda x, y: np.logical_or(x > 0, y > 1))
 

@@ -80,6 +80,11 @@ def require_cells(size, gap, what, least=2):
     require(size <= gap / least * (1 + 1e-9), f"the element size {size:g} is too large for {what} of {gap:g}: at most {gap / least:g}")
 
 
+def require_stretch(ratio):
+    """Refuses a ratio of neighbouring cells by which they would shrink away from the step."""
+    require(ratio >= 1, f"--stretch {ratio:g} must be at least 1: cells grow away from the step")
+
+
 def filled_rectangle(outline, length, height, options, uniform=()):
     """A mesh of [0, length] x [0, height] in the pattern of the options."""
     require_cells(options.size, min(length, height), "a side")

@@ -5,7 +5,7 @@ so that only the flow breaks the symmetry.
 """
 import numpy as np
 
-from tools.meshing.options import add_length, add_pattern_structured, add_size, require, require_cells
+from tools.meshing.options import add_length, add_pattern_structured, add_size, require, require_cells, require_stretch
 from tools.meshing.outline import Outline
 from tools.meshing.structured import even, gridded, growing, joined
 
@@ -24,10 +24,11 @@ def add_options(parser):
 def build(options):
     o, upper = options, options.ratio / 2
     require(o.ratio > 1, f"--ratio {o.ratio:g} must be larger than 1: the channel widens")
+    require_stretch(o.stretch)
     require_cells(o.size, min(0.5, upper - 0.5), "half the inlet or the step")
     xs = joined(
-        growing(0.0, -o.inlet_length, o.size, max(o.stretch, 1.0), o.longest * o.size)[::-1],
-        growing(0.0, o.outlet_length, o.size, max(o.stretch, 1.0), o.longest * o.size),
+        growing(0.0, -o.inlet_length, o.size, o.stretch, o.longest * o.size)[::-1],
+        growing(0.0, o.outlet_length, o.size, o.stretch, o.longest * o.size),
     )
     ys = joined(even(0.0, 0.5, o.size), even(0.5, upper, o.size))
     if not o.half:
