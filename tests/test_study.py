@@ -375,6 +375,30 @@ def test_windows_of_quantities():
     assert quantities.noise_v(noisy, 0.2, 0.3) == pytest.approx(0.01 / 2**0.5 / np.mean(5 + 2 * fine[200:301] - fine[200:301] ** 2), rel=0.02)
 
 
+@pytest.mark.parametrize("times, window", [((0, 1), ()), ((0, 0.5, 1), ()), ((0, 0.01, 0.02, 0.3, 0.6, 0.9, 1), ()), ((0, 0.5, 1), (0.6, 0.7))])
+def test_a_mean_of_too_few_rows_is_refused(times, window):
+    """It would be one of the straight line from the start to the end."""
+    t = np.array(times)
+    run = SimpleNamespace(case="drum", tracks={0: {"t": t, "v": np.exp(-9 * t)}})
+    with pytest.raises(ValueError, match="only [012] rows in the window from"):
+        quantities.mean_v(run, *window)
+
+
+def test_a_mean_of_a_window_narrower_than_dense_rows_is_given():
+    t = np.linspace(0, 1, 21)
+    run = SimpleNamespace(case="drum", tracks={0: {"t": t, "v": 2 * t}})
+    assert quantities.mean_v(run, 0.31, 0.34) == pytest.approx(0.65)
+
+
+def test_a_closed_flow_has_no_error_of_its_flux(tmp_path):
+    run = RunFolder(write_run(tmp_path / "run", fields=1))
+    run.fluid["flux_in"], run.fluid["flux_out"] = 1e-16 * run.fluid["flux_in"], 0 * run.fluid["flux_out"]
+    run.fluid["top_speed"] = np.ones(len(run.fluid["t"]))
+    assert quantities.flux_error(run) == 0
+    run.fluid["flux_in"] = 1e12 * run.fluid["flux_in"]
+    assert quantities.flux_error(run) == 1
+
+
 def test_the_help_names_the_arguments_of_a_quantity():
     assert any(line.startswith("  mean_flux:LABEL:START:END ") for line in quantities.summary(quantities.load()).splitlines())
 
