@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.synthetic import ROOT, write_csv, write_run
-from tools import plot, plot_contacts, plot_transport
+from tools import film, plot, plot_contacts, plot_transport
 from tools.command import BadInput
 from tools.film import frame_rate, make_film, mp4_possible
 from tools.mesh_files import chains, read_mesh
@@ -447,6 +447,36 @@ def test_labels_of_ticks_stay_apart_and_in_the_picture(extent, tmp_path):
     assert len(boxes) >= sum(one.last_row for one in axes) and not [1 for k, a in enumerate(boxes) for b in boxes[:k] if a.overlaps(b)]
     picture = plt.imread(save(figure, tmp_path / "panels.png"))
     assert (picture[:, :8, :3] == 1).all() and (picture[:, -8:, :3] == 1).all()  # nothing is cut off
+
+
+@pytest.mark.parametrize("extent", [(0, 0, 1, 12), (0, 0, 1, 20), (0, 0, 0.1, 3), (0.3, 0, 0.4, 12)])
+def test_tall_narrow_scenes_have_ticks_within_and_titles_apart(run, extent, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(plot, "save", lambda figure, path: drawn.append(figure))
+    run.__dict__["extent"] = extent
+    plot.plot_fields(run, None)
+    drawn[0].draw_without_rendering()
+    axes = drawn[0].axes[:6]
+    titles = [one.title.get_window_extent() for one in axes]
+    assert all(a.x1 < b.x0 for a, b in zip(titles, titles[1:]))
+    ticks = [tick for one in axes for tick in one.get_xticks()]
+    assert len(ticks) >= 6 and extent[0] <= min(ticks) and max(ticks) <= extent[0] + extent[2]
+    plt.close(drawn[0])
+
+
+@pytest.mark.parametrize("extent", [(0, 0, 1, 12), (0, 0, 1, 30), (0, 0, 12, 1), (0, 0, 30, 1)])
+def test_title_and_colour_bar_of_a_film_keep_apart_and_in_the_picture(run, extent, monkeypatch):
+    made = []
+    monkeypatch.setattr(film, "panels", lambda *given, **more: made.append(panels(*given, **more)) or made[0])
+    run.__dict__["extent"] = extent
+    next(film.pictures(run, plot.frames_of(run)))
+    figure, _, bar = made[0]
+    heading = next(text for text in [*figure.texts, figure.axes[0].title] if text.get_text()).get_window_extent()
+    words = bar.yaxis.label.get_window_extent()
+    assert not heading.overlaps(bar.get_window_extent()) and not heading.overlaps(words)
+    for box in (heading, words):
+        assert box.x0 >= 0 and box.y0 >= 0 and box.x1 <= figure.bbox.x1 and box.y1 <= figure.bbox.y1
+    plt.close(figure)
 
 
 def test_a_logarithmic_axis_has_two_labels_at_least(folder, tmp_path, monkeypatch):

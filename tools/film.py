@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from tools.command import BadInput
-from tools.plotting import (draw_outline, draw_speed, frame, panels, particle_artists, plt,
+from tools.plotting import (draw_outline, draw_speed, fitting, frame, panels, particle_artists, plt,
                             speed_of, speed_top, time_text)
 
-DPI = 160
+DPI, LOWEST = 160, 2.6  # inches: height of a film at least, for the words at its colour bar
 
 
 def frame_rate(number):
@@ -30,11 +30,12 @@ def pictures(run, frames):
     if with_velocity:
         sample = sorted(set(np.linspace(0, len(numbers) - 1, min(12, len(numbers))).astype(int)))
         top, extend = speed_top([speed_of(run.field(numbers[k])[1]) for k in sample])
-    figure, (axes,), bar = panels(1, run.extent, height=6.4)
+    figure, (axes,), bar = panels(1, run.extent, height=6.4, lowest=LOWEST)
     figure.set_dpi(DPI)
     draw_outline(axes, run.mesh, run.open)
     frame(axes, run.extent, length)
-    heading = axes.set_title("", pad=4)
+    inches = figure.get_size_inches()
+    heading = figure.text(0.5, axes.get_position().y1 + 0.06 / inches[1], "", ha="center", va="bottom")
     drawn, shape, bodies = None, None, []
     for t, k in frames:
         for artist in bodies:
@@ -53,7 +54,7 @@ def pictures(run, frames):
             bar.remove()
             bar = None
         bodies = particle_artists(axes, run.particles_at(t), clip=run.clip) if run.has("particles") else []
-        heading.set_text(f"{run.title}, {time_text(t, second)}")
+        heading.set_text(fitting([f"{run.title}, {time_text(t, second)}", time_text(t, second)], inches[0]))
         figure.canvas.draw()
         picture = np.asarray(figure.canvas.buffer_rgba())[:, :, :3]
         yield np.ascontiguousarray(picture[:picture.shape[0] // 2 * 2, :picture.shape[1] // 2 * 2])

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from tools.command import BadInput, Parser, guarded
-from tools.plotting import (LINE_MAP, PAGE_WIDTH, ROUNDING, clip_to, curve, draw_outline, draw_speed, frame, panels, particle_artists,
+from tools.plotting import (LINE_MAP, PAGE_WIDTH, ROUNDING, clip_to, curve, draw_outline, draw_speed, fitting, frame, panels, particle_artists,
                             plt, save, speed_of, speed_top, time_text)
 from tools.run_folder import RunFolder
 
@@ -63,7 +63,8 @@ def plot_fields(run, path, number=6):
         if run.has("particles"):
             particle_artists(one, run.particles_at(t), clip=run.clip)
         frame(one, run.extent, length)
-        one.set_title(time_text(t, second, chosen[-1][0]), pad=3)
+        when = time_text(t, second, chosen[-1][0])
+        one.set_title(fitting([when, when[4:], when.split()[2], f"{t:.2g}"], one.room - 0.1), pad=3)
     if drawn is not None:
         figure.colorbar(drawn, cax=bar, extend=extend).set_label(f"velocity magnitude ({length}/{second})")
     else:

@@ -13,10 +13,10 @@ import numpy as np
 from tools.command import BadInput, Parser, guarded
 from tools.mesh_files import read_field
 from tools.plot import plot_trajectories
-from tools.plotting import draw_outline, draw_speed, frame, panels, particle_artists, save, speed_of, speed_top, time_text
+from tools.plotting import draw_outline, draw_speed, fitting, frame, panels, particle_artists, save, speed_of, speed_top, time_text
 from tools.run_folder import RunFolder
 
-DOT, LETTER = 3.0, 0.075  # points: the least diameter that is drawn; inches: a letter of a title
+DOT = 3.0  # points: the least diameter that is drawn
 
 
 def chosen_times(run, number=6):
@@ -51,8 +51,7 @@ def plot_transport(run, path, times=None):
             one.plot(dots[1], dots[2], "o", markersize=DOT, markeredgewidth=0, color="black", zorder=6)
         frame(one, run.extent, run.units["length"])
         when = time_text(t, last=max(times))
-        words = [f"{when}: {inside.shape[1]} inside", when, when.split()[2]]
-        one.set_title(next((text for text in words if LETTER * len(text) < scale * run.extent[2] + 0.1), words[-1]), pad=3)
+        one.set_title(fitting([f"{when}: {inside.shape[1]} inside", when, when.split()[2]], one.room - 0.1), pad=3)
     if drawn is None:
         bar.remove()
     else:

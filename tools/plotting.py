@@ -25,6 +25,7 @@ BODY, BODY_EDGE, SOLID_FILL = "#e8e8e8", "#1a1a1a", "#9a9a9a"
 ROUNDING = 1e-10  # of the radius: smaller overlaps are not drawn
 PAGE_WIDTH = 7.2  # inches: fits a printed page
 DIGIT, OVERHANG = 0.073, 0.07  # inches: width of a digit of a tick's label; what of a label may stand out beside a panel
+LETTER, COLUMN = 0.075, 0.8  # inches: a letter of a title; the least that a column of panels takes with its gap, for title and names below
 
 plt.rcParams.update({
     "font.size": 9, "axes.titlesize": 9, "axes.labelsize": 9, "legend.fontsize": 8,
@@ -40,12 +41,12 @@ def curve(k):
     return {"color": colour, "linestyle": dash}
 
 
-def panels(number, extent, width=PAGE_WIDTH, height=8.6, gaps=(0.2, 0.34), margins=(0.62, 1.0, 0.52, 0.46)):
+def panels(number, extent, width=PAGE_WIDTH, height=8.6, gaps=(0.2, 0.34), margins=(0.62, 1.0, 0.52, 0.46), lowest=0.0):
     """A figure with `number` panels of the scene's own proportions and room for a colour
     bar on the right, rows and columns chosen so that the panels are as large as the page
     allows. Returns (figure, axes in reading order, axes of the colour bar).
 
-    margins: left, right, bottom, top in inches; gaps: between columns and rows.
+    margins: left, right, bottom, top in inches; gaps: between columns and rows; lowest: least height of the figure.
     """
     _, _, w, h = extent
     w, h = max(w, 1e-300), max(h, 1e-300)
@@ -60,20 +61,21 @@ def panels(number, extent, width=PAGE_WIDTH, height=8.6, gaps=(0.2, 0.34), margi
             best = (scale, rows, columns)
     scale, rows, columns = best
     size = scale * w, scale * h
-    total = (left + right + columns * size[0] + (columns - 1) * gaps[0],
-             bottom + top + rows * size[1] + (rows - 1) * gaps[1])
+    gap = max(gaps[0], min(COLUMN, (width - left - right) / columns) - size[0])
+    needed = bottom + top + rows * size[1] + (rows - 1) * gaps[1]
+    total = left + right + columns * size[0] + (columns - 1) * gap, max(needed, lowest)
     figure = plt.figure(figsize=total)
     axes = []
     for k in range(number):
         row, column = divmod(k, columns)
-        x = left + column * (size[0] + gaps[0])
-        y = bottom + (rows - 1 - row) * (size[1] + gaps[1])
+        x = left + column * (size[0] + gap)
+        y = bottom + 0.5 * (total[1] - needed) + (rows - 1 - row) * (size[1] + gaps[1])
         one = figure.add_axes([x / total[0], y / total[1], size[0] / total[0], size[1] / total[1]])
         if column:
             one.tick_params(labelleft=False)
         if k + columns < number:
             one.tick_params(labelbottom=False)
-        one.has_neighbour = columns > 1
+        one.has_neighbour, one.room = columns > 1, size[0] + gap
         one.first_column, one.last_row = column == 0, k + columns >= number
         axes.append(one)
     bar_height = min(total[1] - bottom - top, 4.0)
@@ -83,15 +85,22 @@ def panels(number, extent, width=PAGE_WIDTH, height=8.6, gaps=(0.2, 0.34), margi
     return figure, axes, bar
 
 
-def fit_ticks(axes, inches):
-    """Ticks along x whose labels stay apart, and within the panel where another one stands beside it: two at least if that can be."""
+def fitting(words, inches):
+    """The first of some titles that is no wider than this, else the last."""
+    return next((text for text in words if LETTER * len(text) < inches), words[-1])
+
+
+def fit_ticks(axes, inches, ends=None):
+    """Ticks along x (between the ends of the domain) whose labels stay apart, and within the panel where another one stands beside it: two at least if that can be."""
     low, high = axes.get_xlim()
+    first, last = ends or (low, high)
+    slack = 1e-9 * (last - first)
     scale = inches / (high - low)
 
     def choice(number):
         """Ticks of about this number, and half the width of a label in inches."""
         ticks = MaxNLocator(number, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high)
-        ticks = ticks[(ticks >= low) & (ticks <= high)]
+        ticks = ticks[(ticks >= first - slack) & (ticks <= last + slack)]
         half = 0.5 * DIGIT * max(map(len, axes.xaxis.get_major_formatter().format_ticks(ticks)), default=0)
         inside = (scale * (ticks - low) > half - OVERHANG) & (scale * (high - ticks) > half - OVERHANG)
         return ticks[inside] if getattr(axes, "has_neighbour", False) else ticks, half
@@ -104,14 +113,13 @@ def fit_ticks(axes, inches):
 
 
 def frame(axes, extent, length="m", pad=0.015):
-    """Limits with a small border, equal aspect, labels with the unit of length."""
+    """Limits with a small border, in proportion so that the panel is filled; equal aspect, labels with the unit of length."""
     x0, y0, w, h = extent
     axes.set_aspect("equal")
-    room = pad * max(w, h)
-    axes.set_xlim(x0 - room, x0 + w + room)
-    axes.set_ylim(y0 - room, y0 + h + room)
+    axes.set_xlim(x0 - pad * w, x0 + w + pad * w)
+    axes.set_ylim(y0 - pad * h, y0 + h + pad * h)
     slots = axes.get_position().size * axes.figure.get_size_inches()
-    fit_ticks(axes, slots[0])
+    fit_ticks(axes, slots[0], (x0, x0 + w))
     axes.locator_params(axis="y", nbins=int(np.clip(slots[1] / 0.3, 2, 9)))
     for side in axes.spines.values():
         side.set_visible(False)
@@ -134,7 +142,7 @@ def draw_outline(axes, mesh, open_ends=OPEN):
         elif label in SOLID:
             style.update(linewidth=1.5)
         lines = [mesh.points[line] for line in chains(mesh.edges[mesh.labels == label])]
-        axes.add_collection(LineCollection(lines, zorder=4, capstyle="round", **style), autolim=False)
+        axes.add_collection(LineCollection(lines, zorder=4, capstyle="round", clip_on=False, **style), autolim=False)
 
 
 def particle_artists(axes, particles, zorder=5, clip=None, spokes=True):
