@@ -334,6 +334,16 @@ def test_the_names_of_the_series_are_no_longer_than_their_axes(tmp_path, monkeyp
     plt.close(drawn[0])
 
 
+def test_a_series_of_one_row_is_a_mark(tmp_path, monkeypatch):
+    write_csv(tmp_path / "fluid.csv", ["t", "flux_in", "flux_out", "kinetic_energy"], [[0.5, -1, 1, 2]])
+    drawn = []
+    monkeypatch.setattr(plot, "save", lambda figure, path: drawn.append(figure))
+    plot.plot_series(RunFolder(tmp_path), None)
+    lines = [line for one in drawn[0].axes for line in one.lines]
+    assert len(lines) == 3 and all(line.get_marker() == "." for line in lines)
+    plt.close(drawn[0])
+
+
 def test_a_flow_without_particles_has_no_panels_of_them(tmp_path):
     folder = write_run(tmp_path / "run", steps=20)
     table = read_table(folder / "fluid.csv")

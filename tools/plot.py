@@ -177,7 +177,7 @@ def plot_series(run, path):
     for one, (label, curves, log) in zip(axes.flat, wanted):
         for k, (name, values) in enumerate(curves):
             one.plot(t, np.where(values > 0, values, np.nan) if log else values, label=name, **curve(k),
-                     **({"marker": ".", "markersize": 3} if log and (len(t) <= 150 or np.count_nonzero(values > 0) <= 150) else {}))
+                     **({"marker": ".", "markersize": 3 if len(t) > 1 else 7} if len(t) == 1 or log and (len(t) <= 150 or np.count_nonzero(values > 0) <= 150) else {}))
         if log and any((values > 0).any() for _, values in curves):
             one.set_yscale("log")
             one.yaxis.set_minor_formatter(NullFormatter())
