@@ -309,6 +309,21 @@ def test_the_axis_of_frames_of_contacts_stands_on_the_page(tmp_path, monkeypatch
     plt.close(drawn[0])
 
 
+@pytest.mark.parametrize("width", [1, 4, 7, 10, 30])
+def test_the_labels_of_heights_of_low_scenes_keep_apart(tmp_path, monkeypatch, width):
+    write_csv(tmp_path / "particles.csv", "step,t,id,x,y,theta,u,v,omega,radius".split(","),
+              [[k, k, i, width * i / 9, i / 9, 0, 0, -0.01 * k, 0, 0.02] for k in range(4) for i in range(10)])
+    drawn = []
+    monkeypatch.setattr(plot_contacts, "save", lambda figure, path: drawn.append(figure))
+    plot_contacts.plot_frames(plot_contacts.ContactRun(tmp_path), None)
+    drawn[0].draw_without_rendering()
+    one = drawn[0].axes[0]
+    low, high = one.get_ylim()
+    boxes = [label.get_window_extent() for label, tick in zip(one.get_yticklabels(), one.get_yticks()) if low <= tick <= high]
+    assert boxes and all(a.y1 < b.y0 for a, b in zip(boxes, boxes[1:]))
+    plt.close(drawn[0])
+
+
 def test_the_energies_have_their_names_above_them(tmp_path, monkeypatch):
     write_run(tmp_path, steps=10)
     write_csv(tmp_path / "motion.csv", ["step", "t", "kinetic_energy", "potential_energy", "worst_gap"], [[k, k, 1 + k, 10 - k, 0] for k in range(10)])

@@ -154,7 +154,7 @@ def plot_frames(run, path, times=None):
         last = cell + 2 >= len(places)
         for axis in (left, right):
             axis.tick_params(labelbottom=last, labelleft=axis is axes[cell // 2, 0], length=2)
-            axis.locator_params(axis="y", nbins=4)
+            axis.locator_params(axis="y", nbins=int(np.clip(tall / 0.17, 1, 4)), min_n_ticks=1)
             axis.has_neighbour = True
             fit_ticks(axis, axis.get_position().width * figure.get_figwidth())
             if last:
