@@ -186,7 +186,7 @@ def test_units_are_those_of_the_options(tmp_path):
     assert RunFolder(folder).units["length"] == "m"
     (folder / "run.json").write_text(json.dumps({"case": "settling_disk", "units": {"-rhos": "g/cm3", "-penalty": "m2 s/kg"}}))
     assert RunFolder(folder).units == {"length": "cm", "time": "s", "mass": "g"}
-    for units, names in (({"-rho": "mg/mm3", "-dt": "s"}, ("mm", "mg")), ({"-rhof": "ng/um3", "-mu": "ng/(um ms)"}, ("um", "ng")), ({"-length": "m", "-penalty": "m s/kg"}, ("m", "kg")), ({"-reynolds": "", "-dt": "s", "-contact-tol": "mean radii"}, ("L", "M"))):
+    for units, names in (({"-rho": "mg/mm3", "-dt": "s"}, ("mm", "mg")), ({"-rhof": "ng/um3", "-mu": "ng/(um ms)"}, ("um", "ng")), ({"-length": "m", "-penalty": "m s/kg"}, ("m", "kg")), ({"-reynolds": "", "-dt": "s", "-contact-tol": "mean radii"}, ("L", "M")), ({"-reynolds": "", "-outlet": "H", "-inlet": "h"}, ("L", "M"))):
         (folder / "run.json").write_text(json.dumps({"case": "mine", "units": units}))
         assert (RunFolder(folder).units["length"], RunFolder(folder).units["mass"]) == names
 

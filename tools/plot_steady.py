@@ -16,12 +16,12 @@ from tools.mesh_files import read_field, read_mesh
 from tools.plotting import FIELD_MAP, PAGE_WIDTH, curve, draw_outline, frame, plt
 from tools.run_folder import RunFolder
 
-# file, label of the colour bar, how the values come from the fields
+# file, label of the colour bar with the units of the case, how the values come from the fields
 PICTURES = [
-    ("speed", "speed (m/s)", lambda v: np.hypot(*v["velocity"][:, :2].T)),
-    ("pressure", "gauge pressure (Pa)", lambda v: v["pressure"]),
-    ("k", "k (m²/s²)", lambda v: v["k"]),
-    ("nu_t", "eddy viscosity (m²/s)", lambda v: v["nu_t"]),
+    ("speed", "speed ({speed})", lambda v: np.hypot(*v["velocity"][:, :2].T)),
+    ("pressure", "gauge pressure ({pressure})", lambda v: v["pressure"]),
+    ("k", "k ({length}$^2$/{time}$^2$)", lambda v: v["k"]),
+    ("nu_t", "eddy viscosity ({length}$^2$/{time})", lambda v: v["nu_t"]),
 ]
 
 
@@ -31,14 +31,14 @@ def size_of(points):
     return extent * min((PAGE_WIDTH - 1.6) / extent[0], 5.0 / extent[1])
 
 
-def one_panel(mesh, title, radial):
-    """(figure, axes) for a flow drawn to scale, as wide as its shape asks for; radial: the ordinate is a radius."""
+def one_panel(run, mesh, title):
+    """(figure, axes) for a flow drawn to scale, as wide as its shape asks for; of an axisymmetric one the ordinate is a radius."""
     low = mesh.points.min(axis=0)
     width, height = size_of(mesh.points)
     figure, axes = plt.subplots(figsize=(max(width + 1.6, 2.6), max(height, 0.7) + 0.9), layout="constrained")
-    frame(axes, (*low, *np.ptp(mesh.points, axis=0)))
-    if radial:
-        axes.set_ylabel("r (m)")
+    frame(axes, (*low, *np.ptp(mesh.points, axis=0)), run.units["length"])
+    if run.parameter("-axisymmetric", 0) > 0:
+        axes.set_ylabel(f"r ({run.units['length']})")
     figure.suptitle(title, fontsize=10)
     return figure, axes
 
@@ -55,9 +55,9 @@ def caption(run):
     return run.title + (f" ({', '.join(words)})" if words else "")
 
 
-def draw_field(mesh, field_mesh, values, label, path, title, streams=None, radial=False):
+def draw_field(run, mesh, field_mesh, values, label, path, title, streams=None):
     """One scalar field with the outline of the mesh; `streams`: velocity whose streamlines go on top."""
-    figure, axes = one_panel(mesh, title, radial)
+    figure, axes = one_panel(run, mesh, title)
     grid = Triangulation(*field_mesh.points.T, field_mesh.triangles)
     drawn = axes.tripcolor(grid, values, shading="gouraud", cmap=FIELD_MAP, rasterized=True)
     if streams is not None:
@@ -83,7 +83,7 @@ def draw_streams(axes, grid, velocity):
 
 def draw_walls(run, path):
     """Wall shear and pressure along the walls below and above the fluid; zones of reversed flow grey."""
-    wall, zones = run.columns("wall"), run.columns("zones")
+    wall, zones, pressure = run.columns("wall"), run.columns("zones"), run.units_per_depth["pressure"]
     figure, both = plt.subplots(2, 1, figsize=(PAGE_WIDTH, 4.4), sharex=True, layout="constrained")
     for k, (side, name) in enumerate(((-1, "walls below the fluid"), (1, "walls above the fluid"))):
         own = wall["side"] == side
@@ -97,14 +97,14 @@ def draw_walls(run, path):
             axes.axvspan(start, end, ymin=0 if side < 0 else 0.96, ymax=0.04 if side < 0 else 1, color="#9a9a9a")
     figure.suptitle(f"{caption(run)}: walls", fontsize=10)
     both[0].axhline(0, color="black", linewidth=0.6)
-    both[0].set_ylabel("wall shear (Pa)")
+    both[0].set_ylabel(f"wall shear ({pressure})")
     # a sharp edge carries a peak that would hide the rest
     spread = np.percentile(abs(wall["shear"]), 97)
     both[0].set_ylim(-1.3 * spread, 1.3 * spread)
     if np.max(abs(wall["shear"])) > 1.3 * spread:
-        both[0].set_title(f"peaks at sharp edges, up to {np.max(abs(wall['shear'])):.3g} Pa, are cut off", fontsize="small")
-    both[1].set_ylabel("gauge pressure at walls (Pa)")
-    both[1].set_xlabel("x (m)" + ("; grey bars: reversed flow at walls below (bottom) and above (top)" if zones["side"].size else ""))
+        both[0].set_title(f"peaks at sharp edges, up to {np.max(abs(wall['shear'])):.3g} {pressure}, are cut off", fontsize="small")
+    both[1].set_ylabel(f"gauge pressure\nat walls ({pressure})")
+    both[1].set_xlabel(f"x ({run.units['length']})" + ("; grey bars: reversed flow at walls below (bottom) and above (top)" if zones["side"].size else ""))
     for axes in both:
         axes.grid(True)
     both[1].legend(loc="best")
@@ -129,14 +129,14 @@ def main(arguments=None):
     field_mesh, values = read_field(run.folder / "fields.vtu")
     if len(field_mesh.triangles) not in (len(mesh.triangles), 4 * len(mesh.triangles)):  # the fields' are those of the mesh cut in four
         raise BadInput(f"{options.run}: fields.vtu and mesh.mesh do not belong together")
-    radial = run.parameter("-axisymmetric", 0) > 0
+    names = run.units | run.units_per_depth
     speed = np.hypot(*values["velocity"][:, :2].T)
-    draw_field(mesh, field_mesh, speed, "speed (m/s)", out / "streamlines.png", caption(run) + ": streamlines", streams=values["velocity"], radial=radial)
+    draw_field(run, mesh, field_mesh, speed, f"speed ({names['speed']})", out / "streamlines.png", caption(run) + ": streamlines", streams=values["velocity"])
     made = ["streamlines.png"]
     for name, label, read in PICTURES:
         field = read(values)
         if np.ptp(field) > 0:  # k and nu_t of a laminar flow are 0
-            draw_field(mesh, field_mesh, field, label, out / f"{name}.png", f"{caption(run)}: {label.split(' (')[0]}", radial=radial)
+            draw_field(run, mesh, field_mesh, field, label.format(**names), out / f"{name}.png", f"{caption(run)}: {label.split(' (')[0]}")
             made.append(f"{name}.png")
     if run.columns("wall")["x"].size:  # a flow between planes of symmetry has none
         draw_walls(run, out / "walls.png")

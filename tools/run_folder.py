@@ -22,6 +22,7 @@ from tools.tables import read_table
 SI = {"length": "m", "time": "s", "mass": "kg"}
 SYMBOLS = {"length": "L", "time": "T", "mass": "M"}  # of a case whose own parameters have no units
 SMALLER = {"length": ("cm", "mm", "um", "nm", "km"), "time": ("ms", "us", "ns", "min"), "mass": ("g", "mg", "ug", "ng", "pg", "fg", "t")}
+RELATIVE = {"rad", "H", "h", "mean", "radii"}  # angles, and lengths over one of the scene
 DRIVER = {"-tend", "-dt", "-every", "-fields", "-maxwall", "-penalty"}  # options with units that every case has, whatever its own
 NEEDED = {"particles": "t id x y theta radius", "fluid": "t", "contacts": "t i j", "shapes": "id major minor", "steps": "t", "exits": "id t outlet",
           "motion": "step t kinetic_energy potential_energy worst_gap", "walls": "x1 y1 x2 y2", "wallmoves": "t wall x1 y1 x2 y2",
@@ -89,11 +90,11 @@ class RunFolder:
     @cached_property
     def units(self):
         """Names of the units of length, time and mass: those of which the case's own options (run.json: units)
-        speak, else those of SI (g with cm); L, T and M where none of these options has a unit."""
+        speak, else those of SI (g with cm); L, T and M where none of these options has a unit but heights, radii or angles."""
         own = [str(unit) for name, unit in (self.info.get("units") or {}).items() if name not in DRIVER and not name.startswith("-contact-")]
-        if own and not set(own) - {"", "rad"}:
-            return SYMBOLS
         words = set(re.findall("[A-Za-z]+", " ".join(own)))
+        if own and words <= RELATIVE:
+            return SYMBOLS
         names = {kind: next((name for name in choices if name in words), SI[kind]) for kind, choices in SMALLER.items()}
         if names["length"] == "cm" and "kg" not in words and names["mass"] == "kg":
             names["mass"] = "g"
