@@ -72,6 +72,10 @@ def test_a_mesh_by_gmsh_gives_the_same(version, tmp_path):
     assert faults(mesh, None) == [] and set(mesh.edge_labels) == {1, 2, 3, 6}
     done = command("own", "--from", tmp_path / "my.msh", "--size", 0.1, "--out", tmp_path / "b.mesh")
     assert done.returncode == 3 and "meshed already" in done.stderr
+    (tmp_path / "merged.geo").write_text('Merge "my.msh";\n')
+    for words, status, what in (((), 0, ""), (("--size", 0.1), 3, "of a mesh that a script merges\n")):
+        done = command("own", "--from", tmp_path / "merged.geo", *words, "--out", tmp_path / "c.mesh")
+        assert done.returncode == status and done.stderr.endswith(what)
 
 
 @pytest.mark.parametrize("text, name, words", [

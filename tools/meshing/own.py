@@ -52,6 +52,7 @@ def build(options):
 
 def proportional(gmsh, scale, factor, size):
     """Sets gmsh's factor on all sizes so that the largest elements (of every twenty the largest) are of this size. Raises BadInput."""
+    gmsh.model.mesh.clear()  # of commands Mesh of the script
     gmsh.model.mesh.generate(2)
     points, triangles, _ = extracted(gmsh, [-1])
     first, second = (points[triangles[:, k], :2] - points[triangles[:, 0], :2] for k in (1, 2))
@@ -87,8 +88,6 @@ def read(gmsh, source, size, all_sizes=False):
         scale, factor, largest, least, every = (gmsh.option.getNumber("Mesh." + name) for name in ("ScalingFactor", "MeshSizeFactor", "MeshSizeMax", "MeshSizeMin", "SaveAll"))
         if not (scale > 0 and factor > 0):
             raise BadInput(f"'{source}' has Mesh.ScalingFactor {scale:g} and Mesh.MeshSizeFactor {factor:g}: both must be above 0")
-        if size:
-            gmsh.model.mesh.clear()  # curves that a command Mesh of the script has divided would stay as they are
         if size and all_sizes:
             proportional(gmsh, scale, factor, size)
         elif size:
@@ -98,6 +97,7 @@ def read(gmsh, source, size, all_sizes=False):
             largest = min(largest, size / scale / factor)  # gmsh takes the factor after the bounds
             gmsh.option.setNumber("Mesh.MeshSizeMax", largest)
             gmsh.option.setNumber("Mesh.MeshSizeMin", min(least, largest))
+            gmsh.model.mesh.clear()  # curves that a command Mesh of the script has divided would stay as they are
         gmsh.model.mesh.generate(2)
         if not every:  # the surfaces that gmsh would write
             surfaces = {tag for pair in gmsh.model.getPhysicalGroups(2) for tag in gmsh.model.getEntitiesForPhysicalGroup(*pair)}
@@ -107,7 +107,7 @@ def read(gmsh, source, size, all_sizes=False):
     points, triangles, number = extracted(gmsh, sorted(surfaces) or [-1])
     points *= scale
     if len(triangles) == 0:
-        raise BadInput(f"'{source}' holds no triangles of three nodes")
+        raise BadInput(f"'{source}' holds no triangles of three nodes" + (": with --size none are taken of a mesh that a script merges" if size else ""))
     if np.ptp(points[:, 2]) > 1e-9 * np.ptp(points[:, :2]):
         raise BadInput(f"'{source}' is not plane: z reaches from {points[:, 2].min():g} to {points[:, 2].max():g}")
     points = points[:, :2]
