@@ -490,6 +490,13 @@ def test_the_steady_flow_does_not_hang_on_units(freefem, tmp_path):
     assert drags[1:] == pytest.approx([drags[0]] * 2, rel=1e-9)
 
 
+def test_a_creeping_flow_has_the_viscosity_that_was_asked_for(freefem, run_folder):
+    """Rounding stops the residual above the tolerance there; a thinner fluid was solved instead."""
+    done = freefem("cases/cylinder_steady.edp", "-mu", 1e3, "-out", run_folder)
+    assert results(run_folder)["drag_coefficient"] / 1e3 == pytest.approx(3142.56, rel=1e-4)
+    assert "viscosity 0.99" not in done.stdout and "rounding alone leaves the residual at 1." in done.stdout
+
+
 def test_a_flow_that_is_not_found_says_so(freefem_refused, tmp_path):
     line = freefem_refused(4, "cases/cavity.edp", "-reynolds", 1e6, "-steps", 5, "-out", tmp_path / "run")
     assert "lower Reynolds number" in line
