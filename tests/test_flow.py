@@ -375,6 +375,15 @@ def test_expansion_is_stable_below_the_critical_reynolds_number(meshes, tmp_path
     assert value(tmp_path / "r55", "asymmetry") > 0.05
 
 
+def test_the_critical_reynolds_number_does_not_hang_on_the_start(meshes, tmp_path):
+    """6 secants from 60 ended at 46.3; and at 80 another disturbance than the one that grows was found."""
+    coarse = mesh(meshes, "sudden_expansion", "--size", 1 / 4, "--outlet-length", 20, "--stretch", 1.1)
+    for reynolds in (40, 80):
+        run_freefem("cases/sudden_expansion.edp", "-mesh", coarse, "-reynolds", reynolds, "-out", tmp_path / f"r{reynolds}")
+    assert value(tmp_path / "r80", "critical_reynolds") == pytest.approx(value(tmp_path / "r40", "critical_reynolds"), rel=1e-4)
+    assert value(tmp_path / "r80", "growth") > 0 and value(tmp_path / "r80", "asymmetry") > 0.05
+
+
 @pytest.mark.parametrize("words, says", [
     (["-dt", "0"], "must be above 0"),
     (["-tend", "never"], "needs a number"),
