@@ -550,3 +550,10 @@ def test_walls_move_before_the_first_particle_is_there(freefem_text, tmp_path):
     bodies = "contactWallSegment(-0.03, -1, -0.03, 1); contactWallVelocity(0, 1, 0); queueAt(0.1, 0, 0.01, 2500, 0.05);"
     rows = in_formula(freefem_text, tmp_path / "run", "carrierU = 0.;", bodies, "-dt", 0.001, "-tend", 0.15, "-every", 0.01)
     assert rows["x"][-1] >= 0.13 - 1e-9
+
+
+def test_drag_that_has_not_settled_is_told_of_once(freefem, tmp_path):
+    words = ("-flow", "shear", "-rate", 20, "-tend", 2)
+    large = freefem(SCRIPT, "-out", tmp_path / "large", *words, "-dt", 1).stdout
+    assert large.count("has not settled after 12 passes") == 1 and "had not settled in 2 of 2 steps" in large
+    assert "settled after 12 passes" not in freefem(SCRIPT, "-out", tmp_path / "small", *words, "-dt", 0.01).stdout
