@@ -34,6 +34,14 @@ def test_an_oblique_pair_keeps_its_tangential_velocities():
     np.testing.assert_allclose(answer.velocity @ e, -0.1, atol=1e-11)
 
 
+def test_disks_of_less_than_a_micron_slide_along_a_slanted_wall():
+    """Rounding of places of the order of 1 turns the wall's normal at them: 1e-8 of such a radius was asked for in vain."""
+    along, across = np.array([0.8, 0.6]), np.array([-0.6, 0.8])
+    places = np.outer(np.linspace(1, 2, 20), along) + 1e-7 * across
+    scene = Scene(places, 1e-7, 1.0, np.tile(along - 0.1 * across, (20, 1)), walls=[[0, 0, 4, 3]])
+    np.testing.assert_allclose(project(scene).velocity, np.tile(along, (20, 1)), atol=1e-7)
+
+
 def test_a_gap_is_used_up_and_no_more():
     scene = row([1.0, 1.0], [0.5, -0.5])
     scene.x[1, 0] += 0.004
