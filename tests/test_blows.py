@@ -37,7 +37,7 @@ def test_a_gap_that_the_mesh_does_not_resolve_is_no_spring(ratio, step, freefem_
     run, v, gap = landing(freefem_text, tmp_path / "run", ratio, step)
     near = int(np.argmax(gap < 0.02))
     assert run.fluid["contacts"].max() > 0 and gap.min() < 1e-6
-    assert v[near:].max() < 0.17 * -v.min()
+    assert v[near:].max() < (0.17 if (ratio, step) == (2, 0.001) else 0.15) * -v.min()
 
 
 @pytest.mark.parametrize("bodies", [
