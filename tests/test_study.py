@@ -346,6 +346,20 @@ def test_meshes_of_recipes_that_differ_in_a_sign_have_files_of_their_own():
     assert study.mesh_name(["settling_disk"], 0.05) == "settling_disk_0.05.mesh"
 
 
+def test_a_mesh_is_made_anew_when_what_its_script_includes_has_changed(tmp_path):
+    (tmp_path / "my.geo").write_text('Include "width.geo";\nSetFactory("OpenCASCADE");\nRectangle(1) = {0, 0, 0, w, 1};\n'
+                                     'Physical Curve("wall") = {1:4};\nPhysical Surface("fluid") = {1};\n')
+    one = SimpleNamespace(case="none", recipe=f"own --from {tmp_path / 'my.geo'}", out=tmp_path)
+    widths = []
+    for width in (1, 2, 2):
+        if width not in widths:
+            (tmp_path / "width.geo").write_text(f"w = {width};\n")
+        made = study.make_mesh(one, 0.5)
+        widths.append(float(np.ptp(read_mesh(made).points[:, 0])))
+    when = made.stat().st_mtime_ns
+    assert widths == [1, 2, 2] and study.make_mesh(one, 0.5).stat().st_mtime_ns == when
+
+
 def test_what_has_no_value_is_named_and_old_figures_go(case, tmp_path, capsys):
     words = [str(case), "--meshsize", "0.5", "0.25", "--out", str(tmp_path / "out"), "--quantity"]
     assert study.main([*words, "mean_v:0.3:0.4"], square_mesh) == 0

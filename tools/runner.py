@@ -26,7 +26,7 @@ from tools.command import ROOT, BadInput
 MEASURE = Path(__file__).with_name("measure.py")
 LIVE = set()  # the runs under way, for end_all
 SOURCES = ("lib/*.idp", "scripts/*.edp", "scripts/*.idp")
-NAMED = re.compile(r'"([^"\n]+\.(edp|idp|mesh|csv|msh|geo|txt|dat))"')  # files that a script speaks of
+NAMED = re.compile(r'"([^"\n]+\.(edp|idp|mesh|csv|msh|geo|step|stp|brep|txt|dat))"')  # files that a script speaks of
 STATUSES = {1: "syntax error", 2: "a plug-in cannot be loaded", 3: "bad option or input file", 4: "solver failure",
             5: "inadmissible scene", 6: "assertion inside FreeFEM", 8: "error at run time"}
 
@@ -76,14 +76,14 @@ def option_words(options):
 
 
 def named_files(script):
-    """The files that a script names in quotes, from the root or beside it, and those that its includes name, however deep."""
+    """The files that a script, of FreeFEM or gmsh, names in quotes, from the root or beside it, and those that its includes name, however deep."""
     found, waiting = set(), [script]
     while waiting:
         path = waiting.pop()
         for name, kind in NAMED.findall(path.read_text(encoding="utf-8", errors="replace")):
             new = {file.resolve() for file in (ROOT / name, path.parent / name) if file.is_file()} - found
             found |= new
-            waiting += new if kind in ("edp", "idp") else ()
+            waiting += new if kind in ("edp", "idp", "geo") else ()
     return found
 
 

@@ -42,7 +42,7 @@ from tools import quantities
 from tools.command import ROOT, BadInput, Parser, guarded
 from tools.mesh_files import read_mesh
 from tools.run_folder import RunFolder
-from tools.runner import commit, cores, fingerprint, freefem, run_case, run_command, side_by_side
+from tools.runner import commit, cores, fingerprint, freefem, named_files, run_case, run_command, side_by_side
 from tools.study_report import error_of, extrapolated, name_of, report
 from tools.tables import write_table
 
@@ -102,7 +102,10 @@ def make_mesh(study, size):
     Raises BadInput with the reason."""
     recipe = shlex.split(study.recipe or study.case)
     path = Path(study.out) / "meshes" / mesh_name(recipe, size)
-    makers = [*ROOT.glob("tools/mesh.py"), *ROOT.glob("tools/meshing/*.py"), *(ROOT / word for word in recipe[1:] if (ROOT / word).is_file())]
+    given = [ROOT / word for word in recipe[1:] if (ROOT / word).is_file()]
+    makers = [*ROOT.glob("tools/mesh.py"), *ROOT.glob("tools/meshing/*.py"), *given]
+    for script in given:
+        makers += named_files(script) if script.suffix == ".geo" else ()  # what it merges
     if path.is_file() and all(path.stat().st_mtime > maker.stat().st_mtime for maker in makers):
         return path
     path.parent.mkdir(parents=True, exist_ok=True)
