@@ -457,3 +457,37 @@ def test_a_motion_that_ends_beside_a_checkpoint(last, keep, tmp_path):
     whole, broken = broken_off([tmp_path / "scene.edp", "-every", "0", "-cfl", "0", "-dt", "0.01", "-tend", "0.12", "-forces", "1", "-checkpoint", keep], tmp_path, keep)
     for name in ("particles.csv", "forces.csv"):
         assert (broken / name).read_bytes() == (whole / name).read_bytes(), name
+
+
+@pytest.mark.parametrize("driver", ["resolved", "flow"])
+def test_an_inlet_that_a_case_sets_no_more_is_as_it_was_after_a_restart(driver, tmp_path):
+    """caseBoundary scales it until 0.05 s, and says nothing of it from then on."""
+    text = case("bodyDisk(0.5, 0.5, 0.12, 2);", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", gravity=0,
+                more="macro boundaryU() (4*y*(1 - y)) // EOM\nmacro caseBoundary(now) if (now < 0.0501) inflowScale(labelLeft, 10*(now)); // EOM")
+    if driver == "flow":
+        lines = [line for line in text.splitlines() if "caseParticles" not in line]
+        text = "\n".join(lines).replace(", gravityX = 0, gravityY = 0", "").replace(", motionBound = 1e30", "").replace("resolved.edp", "flow.edp") + "\n"
+    (tmp_path / "scene.edp").write_text(text)
+    whole, broken = broken_off([tmp_path / "scene.edp", "-every", "0", "-cfl", "0", "-dt", "0.01", "-tend", "0.12", "-checkpoint", "4"], tmp_path, 8)
+    got, expected = numbers(broken, "fluid.csv"), numbers(whole, "fluid.csv")
+    assert expected["flux_in"][-1] == pytest.approx(1 / 3, rel=1e-3)
+    for column in expected:
+        np.testing.assert_array_equal(got[column], expected[column], err_msg=column)
+
+
+def test_the_axes_of_who_enters_behind_a_checkpoint_stand_once_in_shapes(tmp_path):
+    text = case("bodyEllipse(0.4, 0.3, 0.12, 0.08, 0.3, 2); queueEllipseAt(0.5, 0.7, 0.12, 0.08, 0.5, 2, 0.05);")
+    (tmp_path / "scene.edp").write_text(text)
+    whole, broken = broken_off([tmp_path / "scene.edp", "-every", "0", "-cfl", "0", "-dt", "0.01", "-tend", "0.08", "-checkpoint", "4"], tmp_path, 4)
+    assert (broken / "shapes.csv").read_bytes() == (whole / "shapes.csv").read_bytes() and len(numbers(whole, "shapes.csv")["id"]) == 2
+
+
+def test_carried_particles_make_a_step_at_least_before_maxwall(freefem, coarse, tmp_path):
+    """However long a run takes to begin: one that is begun again and again comes to its end."""
+    words = ["tests/transport/queue.edp", "-mesh", coarse, "-tend", 0.006, "-maxwall", 1e-6]
+    for step in (1, 2):
+        done = freefem(*words, *(["-out"] if step == 1 else ["-restart"]), tmp_path / "run")
+        assert f"stopped by -maxwall at t = {0.002 * step:g} s" in done.stdout, done.stdout
+    assert "finished at t = 0.006 s" in freefem(*words, "-restart", tmp_path / "run").stdout
+    freefem(*words[:-2], "-out", tmp_path / "whole")
+    assert (tmp_path / "run" / "particles.csv").read_bytes() == (tmp_path / "whole" / "particles.csv").read_bytes()
