@@ -313,6 +313,16 @@ def test_a_force_that_a_case_switches_off_is_off_in_either_scheme(scheme, freefe
     assert energy[1] < 0.1 * energy[0]
 
 
+@pytest.mark.parametrize("scheme", ["standard", "published"])
+def test_a_case_knows_time_and_step_in_either_scheme(scheme, freefem_text, tmp_path):
+    """The last step is what is left until -tend."""
+    more = f'macro caseStart() {{ ofstream f("{tmp_path}/steps"); f << timeDt << endl; }} // EOM\nmacro caseStep() {{ ofstream f("{tmp_path}/steps", append); f << timeNow << " " << timeDt << endl; }} // EOM'
+    freefem_text(case("bodyDisk(0.5, 0.6, 0.12, 1);", more=more), "-scheme", scheme, "-cfl", 0, "-dt", 0.02, "-tend", 0.05, "-out", tmp_path / "run")
+    first, *rows = (tmp_path / "steps").read_text().splitlines()
+    times, steps = np.array([row.split() for row in rows], dtype=float).T
+    assert float(first) == 0.02 and np.diff([0, *times]) == pytest.approx(steps) and times[-1] == pytest.approx(0.05)
+
+
 def test_an_inlet_that_stays_shut_ends_well(freefem_text, tmp_path):
     text = case("bodyDisk(0.5, 0.5, 0.12, 1.5);", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() (4*y*(1 - y)) // EOM")
     freefem_text(text.replace("return 1;", "return 0;"), "-tend", 0.05, "-out", tmp_path / "run")
