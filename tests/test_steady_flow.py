@@ -582,3 +582,30 @@ savemesh(buildmesh(low(50) + right(10) + top(50) + left(10) + b1(4) + b2(4) + b3
     zones = read_table(tmp_path / "run" / "zones.csv")
     behind = (zones["separation"] > 0.3) & (zones["separation"] < 0.34)
     assert behind.any() and zones["reattachment"][behind].max() == pytest.approx(0.34, abs=1e-6)
+
+
+# A case of one's own in a box; SIDES: labels below, on the right, above, on the left.
+OWN = """
+include "lib/output.idp"
+include "lib/mesh.idp"
+optCase("own", "a box");
+optDefault("-model", "laminar");
+string meshFile = "";
+int[int] sides = [SIDES];
+mesh Th = square(4, 4, [x, y - LOW], label = sides);
+real densityFluid = 1, viscosityFluid = 1, steadySpeed = 1, steadyLength = 1, steadyForce = 0, outletPressure = 0, steadyZoneLeast = 0.1, inletEnergy = 1, inletLength = 1;
+int steadyAxis = AXIS;
+string steadySetting = "own";
+macro inletU() 1. // EOM
+include "scripts/steady_flow.edp"
+"""
+
+
+@pytest.mark.parametrize("sides, low, axis, says", [
+    ("3, 8, 2, 1", 0, 0, "must be horizontal"),  # let the fluid through, in silence
+    ("3, 2, 3, 1", 0.5, 1, "begins at y = -0.5"),  # "give more -steps, a larger -tolerance, a finer mesh"
+])
+def test_an_axis_that_is_none_is_refused(sides, low, axis, says, freefem_text, run_folder):
+    done = freefem_text(OWN.replace("SIDES", sides).replace("LOW", str(low)).replace("AXIS", str(axis)), "-out", run_folder, check=False)
+    assert done.returncode == 3 and says in done.stderr and len(done.stderr.strip().splitlines()) == 1
+    assert not run_folder.exists()
