@@ -63,6 +63,16 @@ def test_a_fluid_at_rest_cannot_be_compressed_by_short_steps(freefem_text, tmp_p
     assert abs(through) < 1e-6
 
 
+def test_what_a_floor_bears_does_not_reach_the_fluid(freefem_text, tmp_path):
+    """A small sphere at rest, whose drag is fast: 14 % of its weight went into the fluid."""
+    text = BOX.replace("x0 = [0.5, 0.3], y0 = [0.52, 0.4], r = [0.02, 0.01], d = [2500., 7000.], u0 = [1., 0.5], v0 = [0.2, -0.3]", "x0 = [0.5], y0 = [1e-4], r = [1e-4], d = [2500.], u0 = [0.], v0 = [0.]")
+    text = text.replace("z = [0., 0.]", "z = [0.]").replace("gravityY = 0", "gravityY = -9.81").replace("macro caseTwoWay", "macro caseWallLabels() [1] // EOM\nmacro caseTwoWay")
+    mesh = tmp_path / "box.mesh"
+    freefem_text(text.format(mesh=mesh), "-mesh", mesh, "-coupling-width", 0.06, "-drag", "stokes", "-dt", 0.002, "-tend", 0.02, "-out", tmp_path / "run")
+    weight = 1500 * 4 / 3 * 3.14159265 * 1e-12 * 9.81
+    assert abs(RunFolder(tmp_path / "run").table("coupling")["force_y"]).max() < 1e-9 * weight
+
+
 SOURCE = """mesh Th = square(10, 10);
 fespace sourceQh(Th, P1);
 include "lib/options.idp"
