@@ -449,6 +449,7 @@ def test_walls_that_are_given_a_velocity_go_with_it_over_a_restart_too(freefem_t
         gap = float(row["x"]) - (float(row["t"]) - 0.03) - 0.01
         assert gap > -1e-10 and (gap < 1e-3 or float(row["t"]) < 0.0205)
     assert len(rows(tmp_path / "whole/contacts.csv")) > 5
+    assert rows(tmp_path / "whole/walls.csv") == [{"x1": "-0.03", "y1": "-1", "x2": "-0.03", "y2": "1"}]
     for name in ("particles.csv", "contacts.csv"):
         assert (tmp_path / "whole" / name).read_bytes() == (tmp_path / "half" / name).read_bytes(), name
 
@@ -598,3 +599,21 @@ def test_a_drag_law_beyond_its_range_is_told_of_once(freefem, tmp_path):
     fast = freefem(SCRIPT, "-out", tmp_path / "fast", *words, 1000).stdout
     assert fast.count("the drag law flemmer-banks is known up to 300000") == 1
     assert "is known up to 300000" not in freefem(SCRIPT, "-out", tmp_path / "slow", *words, 10).stdout
+
+
+def test_a_flow_without_k_and_epsilon_has_no_fluctuations(freefem_text, freefem_refused, tmp_path):
+    """They were 0, without a word."""
+    words = ["-mesh", ROOT / "meshes/pipe_obstacles.mesh", "-dt", 0.01, "-tend", 0.02, "-out", tmp_path / "run"]
+    freefem_text(PAIR.format(flow=UNIFORM, particles="queueAt(0.5, 0.01, 0.005, 2500, 0);"), *words)
+    assert "no k and epsilon" in freefem_refused(3, tmp_path / "script.edp", *words[:-1], tmp_path / "other", "-turbulence", "fluctuation")
+
+
+def test_who_waits_looks_over_the_seam_of_a_period(freefem_text, tmp_path):
+    """It was let in where the image of another stood, and both were shot apart; the pictures did not know of the period."""
+    there = "contactPeriodic(0, 0, 1, 1); real[int] x0 = [0.98], y0 = [0.5], r = [0.05], d = [2500.], u0 = [1.], z = [0.]; transportAppend(x0, y0, r, d, u0, z, z);"
+    text = PAIR.format(flow=STILL.replace("0.", "1."), particles=there + " queueAt(0.02, 0.5, 0.05, 2500, 0);")
+    freefem_text(text, "-drag", "off", "-dt", 0.01, "-tend", 0.2, "-out", tmp_path / "run")
+    entered = {row["id"]: float(row["t"]) for row in rows(tmp_path / "run/entries.csv")}
+    last = rows(tmp_path / "run/particles.csv")
+    assert 0.14 < entered["1"] < 0.16 and all(float(row["u"]) == pytest.approx(1, abs=1e-9) for row in last)
+    assert json.loads((tmp_path / "run/run.json").read_text())["period"] == [1, 1]
