@@ -151,6 +151,12 @@ def test_a_list_of_walls_that_changes_goes_on_from_a_checkpoint(contacts, tmp_pa
         assert len(ContactRun(whole).walls) == 2 and ContactRun(whole).walls_at(0.1).shape == (3, 2, 2)
 
 
+def test_gravity_that_is_no_number_is_refused(contacts):
+    """The step was blamed for it."""
+    done = contacts("bodyDisk(0.3, 0.5, 0.1, 1);", "contactWallSegment(0, 0, 1, 0);", "-tend", 0.01, gravity="1e300*1e300", check=False)
+    assert done.returncode == 3 and "gravityY inf; both must be numbers" in done.stderr
+
+
 def test_a_disk_without_weight_is_refused(contacts):
     done = contacts("bodyDisk(0.3, 0.5, 0.1, -1);", "contactWallSegment(0, 0, 1, 0);", "-tend", 0.01, check=False)
     assert done.returncode == 3 and "particle 0 has density -1" in done.stderr

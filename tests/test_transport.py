@@ -608,6 +608,14 @@ def test_a_flow_without_k_and_epsilon_has_no_fluctuations(freefem_text, freefem_
     assert "no k and epsilon" in freefem_refused(3, tmp_path / "script.edp", *words[:-1], tmp_path / "other", "-turbulence", "fluctuation")
 
 
+@pytest.mark.parametrize("old, new, says", [("mu = 1e-3", "mu = 0", "has density 1000 and viscosity 0"), ("rhoFluid = 1000", "rhoFluid = -1", "has density -1 and"),
+                                            ("gravityY = 0", "gravityY = 1e300*1e300", "gravityY inf; both must be numbers")])
+def test_a_fluid_without_density_or_viscosity_and_gravity_that_is_no_number_are_refused(old, new, says, freefem_text, tmp_path):
+    """Without viscosity the run ended with status 8, with a density below 0 it went on."""
+    done = freefem_text(PAIR.format(flow=STILL, particles=TWO).replace(old, new), "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and says in done.stderr and len(done.stderr.splitlines()) == 1
+
+
 def test_who_waits_looks_over_the_seam_of_a_period(freefem_text, tmp_path):
     """It was let in where the image of another stood, and both were shot apart; the pictures did not know of the period."""
     there = "contactPeriodic(0, 0, 1, 1); real[int] x0 = [0.98], y0 = [0.5], r = [0.05], d = [2500.], u0 = [1.], z = [0.]; transportAppend(x0, y0, r, d, u0, z, z);"
