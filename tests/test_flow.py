@@ -361,6 +361,32 @@ def test_a_cylinder_of_sixteen_sides_has_the_drag_of_a_round_one(meshes, freefem
     assert value(tmp_path / "run", "drag_coefficient") == pytest.approx(5.57953523, rel=4e-4)
 
 
+STEADY_CHANNEL = """
+include "lib/options.idp"
+optCase("steady_channel", "Poiseuille flow, steady");
+int[int] sides = [13, 2, 14, 1];
+savemesh(square(9, 3, [3*x, y], label = sides), "FILE");
+optDefault("-mesh", "FILE");
+real rhoFluid = 3, mu = 0.15, speed = 1, size = 1;
+include "lib/labels.idp"
+int[int] labelsStill = [labelBottom, labelTop], labelsMoving = [labelInlet], labelsFree = [labelOutlet];
+macro inletU() (6*y*(1 - y)) // EOM
+macro caseResult() {
+    real[int] force(2);
+    for (int k = 0; k < sides.n; ++k) if (sides[k] != labelOutlet) { steadyForceOn(sides[k], force); resultPut("fx" + sides[k], force[0]/(18*mu), ""); resultPut("fy" + sides[k], force[1]/(18*mu), ""); }
+} // EOM
+include "scripts/steady_laminar.edp"
+"""
+
+
+def test_each_side_of_a_steady_channel_bears_its_own_force(freefem_text, tmp_path, run_folder):
+    """Shear and pressure, also of the nodes that it shares with the inlet (they were the inlet's and the wall's: 11 % of the shear on this mesh)."""
+    freefem_text(STEADY_CHANNEL.replace("FILE", f"{tmp_path}/channel.mesh"), "-out", run_folder)
+    exact = {"fx13": 1, "fy13": -3, "fx14": 1, "fy14": 3, "fx1": -2, "fy1": 0}
+    for name, one in exact.items():
+        assert value(run_folder, name) == pytest.approx(one, abs=1e-7), name
+
+
 @pytest.mark.parametrize("case", ["cylinder_steady", "cavity"])
 def test_a_coarse_mesh_first_leads_to_the_same_flow(case, meshes, tmp_path):
     """As the residual says in both, with half the factorisations on the mesh itself or fewer."""
