@@ -15,6 +15,7 @@ from matplotlib.ticker import MaxNLocator, NullFormatter
 from tools.command import BadInput, Parser, guarded
 from tools.plotting import (LINE_MAP, PAGE_WIDTH, ROUNDING, clip_to, curve, draw_outline, draw_speed, fitting, frame, panels, particle_artists,
                             plt, save, speed_of, speed_top, time_text)
+from tools.quantities import closed
 from tools.run_folder import RunFolder
 
 MADE = ("fields", "trajectories", "series", "film")
@@ -144,8 +145,11 @@ def series(run):
 
     def there(*pairs):
         return [(name, table[column]) for column, name in pairs if column in table]
+    fluxes = there(("flux_in", "inlet"), ("flux_out", "outlet"))
+    if fluxes and closed(run, max(abs(v).max(initial=0) for _, v in fluxes)):
+        fluxes = []
     wanted = [
-        (f"flux ({length}$^2$/{second})", there(("flux_in", "inlet"), ("flux_out", "outlet")), False),
+        (f"flux ({length}$^2$/{second})", fluxes, False),
         (f"pressure drop ({pressure})", there(("pressure_drop", "")), False),
         (f"kinetic energy ({energy})", there(("kinetic_energy", "")), False),
         ("number", there(("particles", "particles inside"), ("contacts", "contacts")), False),

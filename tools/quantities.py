@@ -19,7 +19,7 @@ from tools.command import BadInput
 WINDOWS = {"settling_disk": (0.3, 0.4)}
 DENSE = 0.1  # of the time of all rows: neighbours closer than this make a mean over any window
 NO_FLUX = 1e-10  # of the top speed times the longer side of the domain: smaller fluxes are rounding
-NOT_QUANTITIES = ("functions_of", "load", "summary", "parse", "evaluate")
+NOT_QUANTITIES = ("closed", "functions_of", "load", "summary", "parse", "evaluate")
 
 
 def _window(run, start, end, times):
@@ -176,7 +176,7 @@ def mean_flux(run, label=2, start=math.nan, end=math.nan):
     return _mean(run, table["t"][own], table["flux"][own], start, end)
 
 
-def _closed(run, most):
+def closed(run, most):
     """Whether the largest flux is none but rounding."""
     if most == 0 or "top_speed" not in run.fluid or run.mesh is None:
         return most == 0
@@ -188,7 +188,7 @@ def flux_error(run):
     _, inlet = _column(run, "flux_in")
     _, outlet = _column(run, "flux_out")
     most = max(abs(inlet).max(), abs(outlet).max())
-    return float(abs(abs(inlet) - abs(outlet)).max() / most) if not _closed(run, most) else 0.0
+    return float(abs(abs(inlet) - abs(outlet)).max() / most) if not closed(run, most) else 0.0
 
 
 def worst_overlap(run):
