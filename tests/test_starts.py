@@ -43,6 +43,14 @@ def test_a_body_thrown_into_fluid_at_rest_shares_its_momentum(ratio, freefem_tex
     assert ends[0] == pytest.approx(ends[1], rel=0.05)
 
 
+def test_no_more_is_dissipated_than_a_thrown_disk_shares_with_the_fluid(freefem_text, tmp_path):
+    """Half of its energy, of a disk of the fluid's density. The slip at its edge at t = 0, an element wide, counted for half of the first step, which alone took 1.1 times all of it."""
+    freefem_text(case("bodyAdd(0.5, 0.505, 0.1, 1, 0.5, 0, 0, 1);", mu=0.05, gravity=0), "-dt", 0.005, "-cfl", 0, "-tend", 0.3, "-every", 0.02, "-budget", 1, "-out", tmp_path / "run")
+    budget, energy = RunFolder(tmp_path / "run").table("budget"), np.pi * 0.1**2 * 0.5**2 / 2
+    assert 0.35 * energy < budget["dissipated"][-1] < 0.55 * energy
+    assert (budget["kinetic_energy"] + budget["dissipated"]).max() < 0.55 * energy
+
+
 def test_the_flow_of_a_start_is_the_potential_flow_at_every_node(freefem_text, tmp_path):
     """In the files. Of a cylinder that has a velocity at once: u = U R^2/r^2 (cos 2 phi, sin 2 phi), and a uniform flow by its images, 12 radii away. At vertices it was 0."""
     text = "int[int] sides = [13, 12, 14, 11];\n" + f'savemesh(square(64, 64, label = sides), "{tmp_path}/box.mesh");\n' + box("bodyAdd(0.51, 0.53, 0.08, 1, 1, 0, 0, 0);")
