@@ -523,3 +523,21 @@ def test_a_logarithmic_axis_has_two_labels_at_least(folder, tmp_path, monkeypatc
     low, high = axes.get_ylim()
     assert sum(low <= tick <= high for tick in axes.get_yticks()) >= 2 and axes.get_position().width > 0.6
     plt.close(seen[0])
+
+
+def test_contacts_of_one_time_are_drawn_without_a_film(freefem, tmp_path, capsys):
+    """Rows behind a restart, say; a film that is asked for is refused."""
+    words = ["cases/falling_particles.edp", "-number", 3, "-dt", 0.01, "-every", 5, "-checkpoint", 5]
+    freefem(*words, "-tend", 0.1, "-out", tmp_path / "run")
+    freefem(*words, "-tend", 0.12, "-restart", tmp_path / "run", "-out", tmp_path / "on")
+    assert plot_contacts.main([str(tmp_path / "on")]) == 0
+    assert "film: left out, only one time to show" in capsys.readouterr().out and (tmp_path / "on" / "energy.png").is_file()
+    with pytest.raises(BadInput, match="one time only"):
+        plot_contacts.main([str(tmp_path / "on"), "--only", "film"])
+
+
+def test_more_times_than_fit_on_a_page_are_refused(tmp_path):
+    folder = write_run(tmp_path / "run", steps=20)
+    write_csv(folder / "steps.csv", ["step", "t"], [[k, 0.05 * k] for k in range(21)])
+    with pytest.raises(BadInput, match="200 times are more than fit on a page"):
+        plot_transport.main([str(folder), "--times", ",".join(f"{0.005 * k:g}" for k in range(200))])

@@ -297,7 +297,9 @@ def main(words=None):
         print(plot_chains(run, out / "chains.png"))
     if "energy" in given.only:
         print(plot_energy(run, out / "energy.png"))
-    if "film" in given.only:
+    if "film" in given.only and given.only is MADE and len(run.times) < 2:
+        print("film: left out, only one time to show")
+    elif "film" in given.only:
         print(make_film(run, out, given.most, given.gif))
     return 0
 

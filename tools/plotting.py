@@ -12,6 +12,7 @@ from matplotlib.collections import LineCollection, PatchCollection  # noqa: E402
 from matplotlib.patches import Ellipse, Rectangle  # noqa: E402
 from matplotlib.ticker import FixedLocator, MaxNLocator  # noqa: E402
 
+from tools.command import BadInput  # noqa: E402
 from tools.mesh_files import AXIS, OPEN, SOLID, chains  # noqa: E402
 
 FIELD_MAP = "viridis"
@@ -59,6 +60,8 @@ def panels(number, extent, width=PAGE_WIDTH, height=8.6, gaps=(0.2, 0.34), margi
         scale = min(room_x / w, room_y / h)
         if room_x > 0.4 and room_y > 0.3 and (best is None or scale > 1.02 * best[0]):
             best = (scale, rows, columns)
+    if best is None:
+        raise BadInput(f"{number} times are more than fit on a page; ask for fewer")
     scale, rows, columns = best
     size = scale * w, scale * h
     gap = max(gaps[0], min(COLUMN, (width - left - right) / columns) - size[0])
