@@ -205,6 +205,25 @@ cout << "unequal " << unequal << endl;
     assert "unequal 0" in done.stdout
 
 
+def test_the_list_of_near_disks_stays_short_where_they_move_far(freefem_text):
+    """A crowd that a stream carries by forty radii a step: its list held half of all pairs, and a stream of 20,000 spheres took 2.3 GB."""
+    out = freefem_text("""
+include "lib/contact.idp"
+optCase("far", "a crowd that moves far in a step");
+contactDeclare();
+optEnd();
+int side = 30, n = side^2;
+real[int] px(n), py(n), r(n), mass(n), u(n), v(n);
+int[int] id = 0:n - 1;
+for (int k = 0; k < n; ++k) { px[k] = 30*(k % side); py[k] = 30*(k/side); }
+r = 1.; mass = 1.; u = 40.; v = 0.;
+contactProject(px, py, r, id, mass, u, v, 1.);
+cout << "near " << contactNearN << " least " << contactWorstGap << endl;
+""").stdout
+    words = next(line for line in out.splitlines() if line.startswith("near ")).split()
+    assert int(words[1]) < 60 * 900 and float(words[3]) == pytest.approx(28)
+
+
 def test_a_restart_with_changed_places_goes_on_as_before(freefem_text, tmp_path):
     """Two runs, one saved and loaded in the middle with the disks in another order, agree to
     the last digit; impulses follow the ids."""
