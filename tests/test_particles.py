@@ -546,3 +546,11 @@ def test_the_published_scheme_turns_a_disk_in_shear_by_either_indicator(freefem_
         found[kind] = RunFolder(tmp_path / kind).particles
     assert found["centre"]["omega"][-1] < -0.05 and found["levelset"]["omega"][-1] == pytest.approx(found["centre"]["omega"][-1], rel=0.2)
     assert found["centre"]["theta"][-1] == pytest.approx(np.sum(found["centre"]["omega"]) * 0.02, rel=1e-6)
+
+
+@pytest.mark.parametrize("case, words", [("rotating_cylinder", ["-omega", 0]), ("rotating_cylinder", ["-forces", 0]), ("cylinder_array", ["-forces", 0]),
+                                         ("cylinder_between_plates", ["-forces", 0]), ("oscillating_cylinder", ["-forces", 0])])
+def test_cases_say_nothing_of_forces_that_they_do_not_have(case, words, freefem, tmp_path):
+    """A torque over none ended with status 8, drags that were not computed were 0."""
+    said = freefem(f"cases/{case}.edp", "-tend", 0.005, *words, "-out", tmp_path / "run").stdout
+    assert "exact one" not in said and "last period" not in said and not (tmp_path / "run" / "summary.csv").exists()
