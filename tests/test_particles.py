@@ -549,8 +549,8 @@ def test_the_published_scheme_turns_a_disk_in_shear_by_either_indicator(freefem_
 
 
 @pytest.mark.parametrize("case, words", [("rotating_cylinder", ["-omega", 0]), ("rotating_cylinder", ["-forces", 0]), ("cylinder_array", ["-forces", 0]),
-                                         ("cylinder_between_plates", ["-forces", 0]), ("oscillating_cylinder", ["-forces", 0])])
+                                         ("cylinder_between_plates", ["-forces", 0]), ("oscillating_cylinder", ["-forces", 0]), ("oscillating_cylinder", ["-kc", 0.01, "-dt", 0.01])])
 def test_cases_say_nothing_of_forces_that_they_do_not_have(case, words, freefem, tmp_path):
     """A torque over none ended with status 8, drags that were not computed were 0."""
-    said = freefem(f"cases/{case}.edp", "-tend", 0.005, *words, "-out", tmp_path / "run").stdout
-    assert "exact one" not in said and "last period" not in said and not (tmp_path / "run" / "summary.csv").exists()
+    said = freefem(f"cases/{case}.edp", "-tend", 0.01, *words, "-out", tmp_path / "run").stdout
+    assert "exact one" not in said and "over the last period:" not in said and not (tmp_path / "run" / "summary.csv").exists()
