@@ -77,3 +77,13 @@ def test_a_body_that_lies_on_the_floor_at_the_start_stays_there(body, area, free
     assert len(bodies["t"]) == 20 and np.abs(bodies["v"]).max() < 0.01 * 10 * step
     assert np.abs(forces["fy"]).max() < 0.05 * weight
     assert contacts["impulse"][1:] / step == pytest.approx(weight, rel=0.05)  # that of the first step is 1.5 times as much: it is to hold the body in the next move
+
+
+def test_a_body_at_rest_does_not_mind_a_small_one_far_off(freefem_text, run_folder):
+    """In steps in which the weight would send the small one farther than a twentieth of its radius the viscous step had a part only of all forces of contacts:
+    the fluid bore 5 % of the large disk's weight."""
+    text = case("bodyDisk(0.31, 0.15 + 1e-9, 0.15, 2); bodyDisk(0.9, 0.03 + 1e-9, 0.03, 50);", mu=0.02, gravity=-10)
+    freefem_text(text, "-dt", 0.02, "-cfl", 0, "-tend", 1, "-forces", 1, "-every", 0.1, "-out", run_folder)
+    forces = read_table(run_folder / "forces.csv")
+    late = (forces["id"] == 0) & (forces["t"] > 0.5)
+    assert late.sum() > 3 and np.abs(forces["fy"][late]).max() < 0.005 * 10 * np.pi * 0.15**2
