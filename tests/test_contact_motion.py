@@ -206,7 +206,7 @@ cout << "unequal " << unequal << endl;
 
 
 def test_the_list_of_near_disks_stays_short_where_they_move_far(freefem_text):
-    """A crowd that a stream carries by forty radii a step: its list held half of all pairs, and a stream of 20,000 spheres took 2.3 GB."""
+    """A crowd that a stream carries by forty radii a step: its list held half of all pairs, and a stream of 20,000 spheres took 2.2 GB."""
     out = freefem_text("""
 include "lib/contact.idp"
 optCase("far", "a crowd that moves far in a step");
