@@ -490,6 +490,13 @@ def test_the_steady_flow_does_not_hang_on_units(freefem, tmp_path):
     assert drags[1:] == pytest.approx([drags[0]] * 2, rel=1e-9)
 
 
+def test_a_turbulent_flow_does_not_hang_on_units(freefem, tmp_path):
+    """Reynolds number 4e5 at 2e-9 and 2e-15 m/s: the factors ran out of room there, and the run ended in the middle with status 0."""
+    box = write_box(tmp_path / "box.mesh", 0.5, -0.1, 0.1, 20, 16, 3)
+    losses = [run(freefem, tmp_path / str(speed), "pipe_flow", "-mesh", box, "-vmax", speed, "-reynolds", 4e5)["loss_coefficient"] for speed in (2, 2e-9, 2e-15)]
+    assert losses[1:] == pytest.approx([losses[0]] * 2, rel=1e-6)
+
+
 def test_a_creeping_flow_has_the_viscosity_that_was_asked_for(freefem, run_folder):
     """Rounding stops the residual above the tolerance there; a thinner fluid was solved instead."""
     done = freefem("cases/cylinder_steady.edp", "-mu", 1e3, "-out", run_folder)
