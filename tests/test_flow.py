@@ -422,6 +422,15 @@ def test_expansion_is_stable_below_the_critical_reynolds_number(meshes, tmp_path
     assert value(tmp_path / "r55", "asymmetry") > 0.05
 
 
+def test_an_expansion_that_is_not_found_tells_no_growth_and_no_asymmetry(meshes, tmp_path):
+    """At Reynolds number 120 neither iteration converges; a growth of 0.026/s and an asymmetry of 293 stood in results.csv all the same."""
+    coarse = mesh(meshes, "sudden_expansion", "--size", 1 / 4, "--outlet-length", 20, "--stretch", 1.1)
+    said = run_freefem("cases/sudden_expansion.edp", "-mesh", coarse, "-reynolds", 120, "-search", 0, "-out", tmp_path / "run").stdout
+    text = (tmp_path / "run/results.csv").read_text()
+    assert value(tmp_path / "run", "disturbed_change") > 1 and "growth," not in text and "asymmetry," not in text
+    assert said.count("warning: ") == 2 and "has not settled" in said and "has not converged" in said
+
+
 def test_the_critical_reynolds_number_does_not_hang_on_the_start(meshes, tmp_path):
     """6 secants from 60 ended at 46.3; and at 80 another disturbance than the one that grows was found."""
     coarse = mesh(meshes, "sudden_expansion", "--size", 1 / 4, "--outlet-length", 20, "--stretch", 1.1)
