@@ -659,3 +659,94 @@ def test_an_axis_that_is_none_is_refused(sides, low, axis, says, freefem_text, r
     done = freefem_text(OWN.replace("SIDES", sides).replace("LOW", str(low)).replace("AXIS", str(axis)), "-out", run_folder, check=False)
     assert done.returncode == 3 and says in done.stderr and len(done.stderr.strip().splitlines()) == 1
     assert not run_folder.exists()
+
+
+# Kovasznay's flow behind a grid, exact, between two of its planes of symmetry; TURNED 1: along y.
+KOVASZNAY = r"""
+include "lib/options.idp"
+optCase("kovasznay", "flow behind a grid"); optDefault("-mesh", "FOLDER/grid.mesh");
+int cells = optInt("-cells", 8, 2, "cells across"), turned = TURNED;
+real rhoFluid = 1, mu = 1./40, speed = 1, size = 1, rate = 20 - sqrt(400 + 4*pi^2);
+include "lib/labels.idp"
+int[int] labelsStill(0), labelsMoving = [labelInlet], labelsFree(0), sides = [labelAxis, labelInlet, labelAxis, labelInlet];
+{
+    mesh box = square(3*cells, cells, [-0.5 + 1.5*x, 0.5*y], label = sides);
+    if (turned) box = movemesh(box, [-y, x]);
+    savemesh(box, "FOLDER/grid.mesh");
+}
+func real streamAt(real s, real r) { return 1 - exp(rate*s)*cos(2*pi*r); }
+func real crossAt(real s, real r) { return rate/(2*pi)*exp(rate*s)*sin(2*pi*r); }
+macro inletU() (turned ? -crossAt(y, -x) : streamAt(x, y)) // EOM
+macro inletV() (turned ? streamAt(y, -x) : crossAt(x, y)) // EOM
+macro caseSymmetry() [labelAxis] // EOM
+macro caseResult() {
+    real[int] pull(2);
+    resultPut("error", sqrt(int2d(Th)((newtonU - (inletU))^2 + (newtonV - (inletV))^2)), "m2/s");
+    steadyForceOn(labelAxis, pull);
+    resultPut("pull", abs(pull[1 - turned]), "N/m");
+} // EOM
+include "scripts/steady_laminar.edp"
+"""
+
+
+def test_kovasznay_flow_between_planes_of_symmetry(freefem_text, tmp_path):
+    errors, rate = [], 20 - (400 + 4 * math.pi**2)**0.5
+    for turned, cells in ((0, 8), (0, 16), (1, 16)):
+        freefem_text(KOVASZNAY.replace("FOLDER", str(tmp_path)).replace("TURNED", str(turned)), "-cells", cells, "-out", tmp_path / f"run{turned}{cells}")
+        found = results(tmp_path / f"run{turned}{cells}")
+        errors.append(found["error"])
+        assert found["pull"] == pytest.approx(4 / 40 * (math.exp(-rate / 2) - math.exp(rate)), rel=1e-3)  # 2 mu dv/dy, which has two signs; the pressure is the same
+    assert errors[1] < 3e-4 and np.log2(errors[0] / errors[1]) > 2.8
+    assert errors[2] == pytest.approx(errors[1], rel=1e-5)
+
+
+# Half of Poiseuille's flow; TURNED 1: along y.
+HALF = r"""
+include "lib/options.idp"
+optCase("half", "half a channel"); optDefault("-mesh", "FOLDER/half.mesh");
+real rhoFluid = 2, mu = 0.3, speed = 1, size = 1;
+include "lib/labels.idp"
+int[int] labelsStill = [labelWall], labelsMoving = [labelInlet], labelsFree = [labelOutlet], sides = [labelAxis, labelOutlet, labelWall, labelInlet];
+int turned = TURNED;
+{
+    mesh box = square(12, 5, [2*x, 0.5*y + SLANT*x], label = sides);
+    if (turned) box = movemesh(box, [-y, x]);
+    savemesh(box, "FOLDER/half.mesh");
+}
+macro inletU() (turned ? 0. : 1 - 4*y^2) // EOM
+macro inletV() (turned ? 1 - 4*x^2 : 0.) // EOM
+macro caseSymmetry() [PLANES] // EOM
+macro caseResult() {
+    real[int] pull(2);
+    steadyForceOn(labelWall, pull);
+    resultPut("wall_along", pull[turned], ""); resultPut("wall_across", (turned ? -pull[0] : pull[1]), "");
+    steadyForceOn(labelAxis, pull);
+    resultPut("plane_along", pull[turned], ""); resultPut("plane_across", (turned ? -pull[0] : pull[1]), "");
+} // EOM
+include "scripts/steady_laminar.edp"
+"""
+
+
+@pytest.mark.parametrize("turned", [0, 1])
+def test_force_on_a_plane_of_symmetry_and_on_a_wall_that_ends_where_it_begins(freefem_text, run_folder, tmp_path, turned):
+    """Shear 4 mu U/H over a length of 2, mean pressure 8 mu U/H2; no shear on the plane."""
+    freefem_text(HALF.replace("FOLDER", str(tmp_path)).replace("TURNED", str(turned)).replace("SLANT", "0").replace("PLANES", "labelAxis"), "-out", run_folder)
+    found = results(run_folder)
+    assert [found[name] for name in ("wall_along", "wall_across", "plane_across")] == pytest.approx([2.4, 4.8, -4.8], rel=1e-8) and abs(found["plane_along"]) < 1e-8
+
+
+@pytest.mark.parametrize("planes, slant, says", [("labelAxis", "0.1", "must be horizontal or upright"), ("labelAxis, labelWall", "0", "label 3 (wall) stands twice"), ("labelAxis, labelLeft", "0", "no edge with label 11 (left)")])
+def test_planes_of_symmetry_that_cannot_be_are_refused(freefem_text, run_folder, tmp_path, planes, slant, says):
+    done = freefem_text(HALF.replace("FOLDER", str(tmp_path)).replace("TURNED", "0").replace("SLANT", slant).replace("PLANES", planes), "-out", run_folder, check=False)
+    assert done.returncode == 3 and says in done.stderr and len(done.stderr.strip().splitlines()) == 1
+
+
+def test_more_let_in_than_out_across_horizontal_sides_is_refused(freefem_text, run_folder, tmp_path):
+    text = KOVASZNAY.replace("FOLDER", str(tmp_path)).replace("TURNED", "1").replace("streamAt(y, -x) : c", "1.1*streamAt(y, -x)*(y < 0 ? 1. : 0.99) : c")
+    done = freefem_text(text, "-out", run_folder, check=False)
+    assert done.returncode == 3 and "more than out, and there is no outlet" in done.stderr
+
+
+def test_a_misspelt_velocity_at_the_inlet_is_told(freefem_text, run_folder, tmp_path):
+    text = KOVASZNAY.replace("FOLDER", str(tmp_path)).replace("TURNED", "0").replace("macro inletV()", "macro inletW()").replace("(newtonV - (inletV))", "newtonV")
+    assert "warning: the macro inletW is used nowhere" in freefem_text(text, "-out", run_folder).stdout
