@@ -153,3 +153,14 @@ def stiff(radius, density, rho, mu, end):
 def dispersion(t, sigma, lagrangian):
     """Taylor's variance of the displacement (m2) in homogeneous turbulence."""
     return 2 * sigma**2 * lagrangian**2 * (t / lagrangian - 1 + np.exp(-t / lagrangian))
+
+
+def inertial(t, sigma, lagrangian, tau):
+    """Variances of place (m2) and velocity (m2/s2) of a sphere that starts at rest in stationary turbulence, its drag linear: those of (w, U, X), a linear system."""
+    rates = np.array([[-1 / lagrangian, 0, 0], [1 / tau, -1 / tau, 0], [0, 1, 0]])
+
+    def change(_, parts):
+        p = parts.reshape(3, 3)
+        return (rates @ p + p @ rates.T + np.diag([2 * sigma**2 / lagrangian, 0, 0])).ravel()
+    p = solve_ivp(change, (0, t), np.diag([sigma**2, 0, 0]).ravel(), rtol=1e-9, atol=1e-14).y[:, -1].reshape(3, 3)
+    return p[2, 2], p[1, 1]
