@@ -159,3 +159,17 @@ def test_the_effect_of_coupling_is_told_from_both_runs(tmp_path, monkeypatch, ca
                                  "exit_time_median_difference_s": 0.2, "distance_median_m": 0.2})
     assert re.search(r"carried through +one-way +66.7 %, two-way +66.7 %", capsys.readouterr().out)
     assert (tmp_path / "out/coupling_effect.png").stat().st_size > 10000
+
+
+def test_a_seed_of_which_nobody_leaves_has_no_part_in_the_mean_time_of_exit(tmp_path, monkeypatch, capsys):
+    """The mean over the seeds was nan."""
+    def runs(leaves):
+        for seed, left in enumerate(leaves):
+            flow = ["0,0,0,0,0", "1,4,2.0,0.001,0.1"]
+            yield {way: made_up(tmp_path / f"{way}{len(leaves)}{seed}", {0: [0, 0.5, 0.6]}, {0: (1.5 + 0.1 * (way == "two-way"), 1)} if left else {}, flow) for way in ("one-way", "two-way")}
+    for leaves, says in (((1, 0), r"exit_time_mean_change_s +mean +0\.1 +least +0\.1 +most +0\.1"), ((0,), "exit_time_mean_change_s +none")):
+        found = list(runs(leaves))
+        monkeypatch.setattr(coupling_effect, "compute", lambda seeds, out, options, jobs, found=found: [pair[options["-coupling"]] for pair in found])
+        assert coupling_effect.main(["--seeds", str(len(leaves)), "--out", str(tmp_path / "out")]) == 0
+        said = capsys.readouterr().out
+        assert re.search(says, said) and "nan" not in said

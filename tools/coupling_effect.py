@@ -113,7 +113,8 @@ def main(words=None):
     write_table(out / "coupling_effect.csv", COLUMNS, rows)
     values = np.array(rows, dtype=float)
     for k, name in enumerate(COLUMNS[1:], 1):
-        print(f"{name:<34} mean {values[:, k].mean():10.4g}   least {values[:, k].min():10.4g}   most {values[:, k].max():10.4g}")
+        some = values[np.isfinite(values[:, k]), k]  # a seed of which nobody leaves has no time of it
+        print(f"{name:<34} mean {some.mean():10.4g}   least {some.min():10.4g}   most {some.max():10.4g}" if len(some) else f"{name:<34} none")
     one, two = (np.array([shares(pair[way]) for pair in pairs]) for way in (0, 1))
     for k, name in enumerate(FATES):
         spread = one[:, k].std(ddof=1) if given.seeds > 1 else np.nan
