@@ -641,3 +641,45 @@ def test_who_waits_looks_over_the_seam_of_a_period(freefem_text, tmp_path):
     last = rows(tmp_path / "run/particles.csv")
     assert 0.14 < entered["1"] < 0.16 and all(float(row["u"]) == pytest.approx(1, abs=1e-9) for row in last)
     assert json.loads((tmp_path / "run/run.json").read_text())["period"] == [1, 1]
+
+
+CROWD = """include "lib/options.idp"
+optCase("crowd", "spheres that go forty radii in a step");
+real rhoFluid = 1000, mu = 1e-3, gravityX = 0, gravityY = 0;
+macro carrierExact(px, py, t) carrierU = 2.; // EOM
+macro caseParticles() {
+    int n = 900;
+    real[int] x0(n), y0(n), r(n), d(n), u0(n), z(n);
+    for (int k = 0; k < n; ++k) x0[k] = 5e-4*(k % 30);
+    for (int k = 0; k < n; ++k) y0[k] = 5e-4*(k/30);
+    r = 5e-5; d = 2500; u0 = 2; z = 0;
+    transportAppend(x0, y0, r, d, u0, z, z);
+} // EOM
+include "scripts/transport.edp"
+"""
+
+
+def test_who_goes_along_is_no_row_of_the_projection(freefem_text, tmp_path):
+    """Every pair within four millimetres was one: a gigabyte for 10,000 spheres."""
+    said = freefem_text(CROWD, "-dt", 0.001, "-tend", 0.002, "-drag", "stokes", "-contact-trace", 1, "-out", tmp_path / "run").stdout
+    found = [(int(a), int(b)) for a, b in re.findall(r"(\d+) contacts, (\d+) rows", said)]
+    assert found and all(contacts > 20000 and rows < 10 for contacts, rows in found)
+
+
+def test_a_fast_sphere_pushes_a_row_of_others_within_a_step(freefem_text, tmp_path):
+    """Ten in a line, one of 60 radii a step: places after it are the isotonic regression of those without contact (masses as weights), however far one is pushed."""
+    radius, start, speed, density = 1e-4, 1e-3 * np.arange(10), [6, 0, 0, 1, 0, 0, 0, -5, 0, 0], 2500 * np.array([9, 1, 1, 4, 1, 1, 1, 9, 1, 1])
+    def text(values):
+        return ", ".join(f"{value:g}" for value in values)
+    bodies = f"""{{ real[int] x0 = [{text(start)}], d = [{text(density)}], u0 = [{text(speed)}], r(10), z(10); r = {radius}; z = 0.; transportAppend(x0, z, r, d, u0, z, z); }}"""
+    got = in_formula(freefem_text, tmp_path / "run", "carrierU = 0.;", bodies, "-drag", "off", "-lift", 0, "-added-mass", 0, "-buoyancy", 0, "-dt", 0.001, "-tend", 0.001)
+    blocks = [[x + 1e-3 * u - 2 * radius * k, m, 1] for k, (x, u, m) in enumerate(zip(start, speed, density))]
+    merged = []
+    for block in blocks:  # pool adjacent violators
+        merged.append(block)
+        while len(merged) > 1 and merged[-2][0] > merged[-1][0]:
+            (a, m, i), (b, n, j) = merged[-2:]
+            merged[-2:] = [[(m * a + n * b) / (m + n), m + n, i + j]]
+    want = np.concatenate([[place] * number for place, _, number in merged]) + 2 * radius * np.arange(10)
+    assert 1 < len(merged) < 8
+    assert got["x"][-10:] == pytest.approx(want, abs=1e-12)
