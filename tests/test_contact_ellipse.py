@@ -283,3 +283,34 @@ def test_the_gap_to_a_wall_whose_end_has_pierced_an_ellipse(freefem_text, seed, 
     true = (ends - a * np.hypot(np.cos(n - theta), aspect * np.sin(n - theta))).max()
     text = freefem_text(scene([bodies[which]], [walls[wall]], [1.0], [1.0], [(0.0, 0.0, 0.0)], more=MEASURE)).stdout
     assert float(next(line for line in text.splitlines() if line.startswith("gap ")).split()[3]) == pytest.approx(true, abs=1e-6)
+
+
+def lattice(across, aspect, rough, far=0.0, seed=0):
+    """Rows of equal ellipses that touch all their neighbours but for a share `rough`, thrown down into a box they fill: what scene() takes."""
+    rng = np.random.default_rng(seed)
+    x = np.array([(2 * k + j % 2, 3**0.5 * j) for j in range(across) for k in range(across)]) + rough * rng.standard_normal((across**2, 2))
+    a = 0.5 * min(np.hypot(*(x[k + 1:] - x[k]).T).min() for k in range(len(x) - 1)) * (1 - 1e-12)
+    low, high = far + (x.min(0) - a) * [1, aspect], far + (x.max(0) + a) * [1, aspect]
+    walls = [(low[0] - 9, low[1], high[0] + 9, low[1]), (low[0], low[1] - 9, low[0], high[1] + 99), (high[0], low[1] - 9, high[0], high[1] + 99)]
+    speed = 0.05 * rng.standard_normal((len(x), 3)) - [0, 0.25 * aspect, 0]
+    return [(*(far + p * [1, aspect]), 0.0, a, aspect) for p in x], walls, [1.0] * len(x), [0.25 * (1 + aspect**2)] * len(x), speed
+
+
+@pytest.mark.parametrize("across, rough", [(5, 0.0), (5, 1e-10), (8, 1e-6), (8, 1e-3), (12, 1e-4)])
+def test_a_lattice_of_ellipses_that_are_nearly_disks_is_solved(freefem_text, across, rough):
+    """Redundant contacts: active sets turn in circles, and gradients needed more than 200,000 steps or ended with status 4."""
+    bodies = lattice(across, 0.999999, rough)
+    speed, disk = (rows(freefem_text(scene([(*b[:4], aspect) for b in bodies[0]], *bodies[1:], more=PROJECT.replace("DT", "1"))).stdout, "speed") for aspect in (0.999999, 1.0))
+    assert speed == pytest.approx(disk, abs=1e-4)
+
+
+def test_ellipses_far_from_the_origin_are_held_apart_as_far_as_rounding_lets_them(freefem_text):
+    out = freefem_text(scene(*lattice(4, 0.1, 1e-3, 1e7), more=PROJECT.replace("DT", "0.3"))).stdout
+    assert rows(out, "worst")[0, 0] > -2e-8
+
+
+def test_an_ellipse_squeezed_by_two_held_ones_ends_the_run_with_the_reason(freefem_text):
+    bodies = [(-1.0, 0.0, 0.0, 0.5, 0.4), (0.0, 0.0, 0.0, 0.499, 0.4), (1.0, 0.0, 0.0, 0.5, 0.4)]
+    text = scene(bodies, [], [-1.0, 1.0, -1.0], [1.0] * 3, [(1, 0, 0), (0, 0, 0), (-1, 0, 0)], more=PROJECT.replace("DT", "0.1"))
+    done = freefem_text(text, check=False)
+    assert done.returncode == 4 and "leaves a body no room" in done.stderr and "no motion" in done.stderr

@@ -126,3 +126,19 @@ def test_a_warm_start_needs_no_steps():
 def test_too_few_steps_end_with_words_and_status_4():
     with pytest.raises(BadInput, match=r"did not converge: residual .*status 4"):
         project(packing(100, "random"), solver="uzawa", tol=1e-12, options={"-contact-maxit": 20})
+
+
+@pytest.mark.parametrize("number", [1, 30])
+def test_a_row_squeezed_between_two_prescribed_disks_is_said_at_once(number):
+    scene = row([-1.0] + [1.0] * number + [-1.0], [0.1] + [0.0] * number + [-0.1])
+    with pytest.raises(BadInput, match=r"leaves a body no room: no motion satisfies the contacts of .*body \d+ and body \d+ press most .*status 4"):
+        project(scene)
+
+
+@pytest.mark.parametrize("number", [50, 500])
+def test_a_residual_below_what_rounding_leaves_is_as_good_as_it_gets(number):
+    """A stack: the pushes at its foot are `number` times as long as one disk's, and known to 1e-15 of that."""
+    x = np.column_stack([np.zeros(number), 0.01 * (2 * np.arange(number) + 1)])
+    answer = project(Scene(x, 0.01 * (1 - 1e-13), 1.0, np.outer(np.ones(number), [0, -0.25]), FLOOR), tol=1e-16)
+    assert answer.figures[0]["residual"] < 1e-15 * number and answer.figures[0]["factorisations"] < 100
+    np.testing.assert_allclose(answer.velocity, 0, atol=1e-10)

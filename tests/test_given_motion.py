@@ -80,7 +80,7 @@ def test_held_bodies_moved_into_each_other_or_a_wall_are_warned_of(bodies, steps
 
 
 @pytest.mark.parametrize("bodies, complaint", [
-    ("bodyAdd(0.6, 0.15, 0.1, 1, 0, 0, 0, 0); bodyDisk(0.85, 0.11, 0.1, 1);", "contacts of 2 disks"),
+    ("bodyAdd(0.6, 0.15, 0.1, 1, 0, 0, 0, 0); bodyDisk(0.85, 0.11, 0.1, 1);", "contacts of 2 bodies"),
     ("bodyHeld(bodyEllipse(0.6, 0.15, 0.1, 0.07, pi/2, 1)); bodyEllipse(0.85, 0.08, 0.1, 0.07, 0, 1);", "linearisations"),
 ])
 def test_a_body_that_is_squeezed_against_a_wall_ends_the_run_with_the_reason(bodies, complaint, freefem_text, tmp_path):
