@@ -550,7 +550,7 @@ def test_a_creeping_flow_has_the_viscosity_that_was_asked_for(freefem, run_folde
 
 def test_a_flow_that_is_not_found_says_so(freefem_refused, tmp_path):
     line = freefem_refused(4, "cases/cavity.edp", "-reynolds", 1e6, "-steps", 5, "-out", tmp_path / "run")
-    assert "lower Reynolds number" in line
+    assert "lower Reynolds number" in line and "(at 7071.07 times the viscosity a flow was found)" in line
     assert '"status": "failed (4)"' in (tmp_path / "run/run.json").read_text() and not (tmp_path / "run/.writer").exists()
 
 
