@@ -382,8 +382,8 @@ def test_macros_of_the_boundary_may_be_sums(freefem_text, tmp_path):
 
 
 LEAVES = """macro caseStep() {
-    if (step == 3) { int[int] stay = [0, 2]; bodyKeep(stay); rigidStale = 1; }
-    if (step == 4) {
+    if (driveStep == 3) { int[int] stay = [0, 2]; bodyKeep(stay); rigidStale = 1; }
+    if (driveStep == 4) {
         real[int] diagonal = momentumBodyDiag, gain = momentumGain;
         int age = momentumAge;
         momentumAge = 40;

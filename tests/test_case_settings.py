@@ -3,6 +3,8 @@ import re
 
 import pytest
 
+from conftest import ROOT
+from lint import files, seen_by_hooks
 from tests.test_boundaries import PERIODIC, SEAM, case, square
 
 
@@ -113,3 +115,39 @@ def test_an_inlet_that_lets_in_nothing_is_told(more, warned, freefem_text, tmp_p
 def test_a_macro_that_nobody_asks_for_is_told(more, told, freefem_text, tmp_path):
     done = freefem_text(case("bodyDisk(0.5, 0.5, 0.12, 2);", more=more), "-tend", 0.01, "-out", tmp_path / "run")
     assert re.findall(r"warning: the macro (\w+) is used nowhere", done.stdout) == [told] * (told is not None)
+
+
+# Names that drivers and forms have had for their own: a case's macros found those instead, in silence or with a riddle of the compiler.
+OWN_NAMES = """real {u} = 1, {w} = 0.3, {rate} = 4, {c0} = 0.25, {step} = 7, {entered} = 0.5;
+macro boundaryU() ({u}*4*y*(1 - y)) // EOM
+macro flowForceX() ({w}*{u}) // EOM
+macro caseMotion(now) givenMotion(0, 0, 0, {rate}*now/{c0}); // EOM
+macro caseLoads(now) bodyPush(1, {entered}*now, 0, 0); // EOM
+macro caseBoundary(now) inflowScale(labelLeft, 1 - {step}*now); // EOM
+macro caseStep() cout << "own " << {c0} + {step} + {entered} << " " << bodyAtX(1) - bodyX[1] << endl; // EOM"""
+NAMES = "u w rate c0 step entered".split()
+
+
+def test_a_case_may_call_its_own_numbers_as_it_likes(freefem_text, tmp_path):
+    out = []
+    for k, names in enumerate((NAMES, [f"mine{k}" for k in range(len(NAMES))])):
+        text = case("bodyHeld(bodyDisk(0.4, 0.4, 0.12, 2)); bodyDisk(0.6, 0.7, 0.12, 2);", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight",
+                    more=OWN_NAMES.format(**dict(zip(NAMES, names))))
+        done = freefem_text(text, "-tend", 0.03, "-every", 0, "-out", tmp_path / str(k))
+        assert done.stdout.count("own 7.75 0\n") == 3
+        out.append((tmp_path / str(k) / "particles.csv").read_bytes())
+    assert out[0] == out[1]
+
+
+def test_names_that_a_macro_of_a_case_meets_in_a_driver_are_those_of_the_library():
+    for path in files(".edp") + files(".idp"):
+        if path.startswith("scripts/"):
+            met = seen_by_hooks(path, inner=path.endswith(".idp"))
+            assert all(re.match(r"(drive|pub|published)[A-Z]|timeNow$", name) for name in met), (path, met)
+
+
+def test_no_macro_of_the_library_is_a_single_word():
+    """It would be put in place of a case's own name."""
+    for path in files(".idp"):
+        if path.startswith("lib/"):
+            assert not re.findall(r"^\s*macro ([a-z]+[0-9]*)\(", (ROOT / path).read_text(), flags=re.M), path

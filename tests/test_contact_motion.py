@@ -93,7 +93,7 @@ def test_a_ball_off_a_ramp_converges_with_the_time_step(run_scene):
 
 
 def test_a_moving_wall_pushes_and_a_moving_disk_too(run_scene):
-    more = "macro caseStep() if (step == 1) contactWallVelocity(0, 0.5, 0); // EOM"
+    more = "macro caseStep() if (timeNow == 0) contactWallVelocity(0, 0.5, 0); // EOM"
     bodies = "bodyDisk(0.2, 0, 0.05, 1); bodyDisk(0.35, 0, 0.05, 2); bodyAdd(2, 0, 0.1, 1, -0.2, 0, 0, 0);"
     disks, folder = run_scene(bodies, "contactWallSegment(0, -1, 0, 1);", gravity=0, more=more, dt=0.01, tend=1)
     assert disks[0]["u"][-1] == pytest.approx(0.5, abs=1e-9) and disks[1]["u"][-1] == pytest.approx(0.5, abs=1e-9)
@@ -302,7 +302,7 @@ optDefault("-dt", "0.01");
 real gravityX = 0, gravityY = -1;
 macro caseParticles() bodyDisk(0, 0.1, 0.1, 1); // EOM
 macro caseWalls() { contactWallSegment(-1, -1, 1, -1); contactWallSegment(-0.5, 0, 0.5, 0); } // EOM
-macro caseStep() contactWallVelocity(1, step > 10, 0); // EOM
+macro caseStep() contactWallVelocity(1, driveStep > 10, 0); // EOM
 include "scripts/contacts.edp"
 """
 

@@ -78,7 +78,7 @@ def test_the_least_gap_is_a_bound_where_nobody_can_meet(contacts):
 def test_walls_that_move_are_written_after_a_restart(contacts, tmp_path):
     scene = ("bodyDisk(0, 0.1, 0.1, 1000); bodyDisk(0, 0.3, 0.1, 1000);", "contactWallSegment(-1, 0, 1, 0); contactWallSegment(-1, -1, -1, 1);")
     words = ("-dt", 0.001, "-every", 0.01, "-checkpoint", 50)
-    more = "macro caseStep() if (step == 1) contactWallVelocity(0, 0, 0.2); // EOM"
+    more = "macro caseStep() if (timeNow == 0) contactWallVelocity(0, 0, 0.2); // EOM"
     whole = contacts(*scene, *words, "-tend", 0.1, gravity=-10, more=more, name="whole")
     contacts(*scene, *words, "-tend", 0.05, gravity=-10, more=more, name="half")
     rest = contacts(*scene, *words, "-tend", 0.1, "-restart", tmp_path / "half", gravity=-10, more=more, name="rest")
@@ -140,7 +140,7 @@ def test_a_list_of_walls_that_changes_goes_on_from_a_checkpoint(contacts, tmp_pa
     """It was refused as made with other walls, or read into arrays of another size."""
     scene = ("bodyDisk(0, 0.1, 0.1, 1000); bodyAdd(0, 0.31, 0.1, 1000, 0, 3, 0, 1);", "contactWallSegment(-1, 0, 1, 0); contactWallSegment(-1, 0.6, 1, 0.6);")
     words = ("-dt", 0.001, "-every", 0.01, "-checkpoint", 50)
-    more = f"macro caseStep() if (step == 20) {{ {change} }} // EOM"
+    more = f"macro caseStep() if (driveStep == 20) {{ {change} }} // EOM"
     whole = contacts(*scene, *words, "-tend", 0.1, gravity=-10, more=more, name="whole")
     contacts(*scene, *words, "-tend", 0.05, gravity=-10, more=more, name="half")
     contacts(*scene, *words, "-tend", 0.1, "-restart", tmp_path / "half", gravity=-10, more=more, name="half")

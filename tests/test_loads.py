@@ -85,7 +85,7 @@ def test_a_spring_goes_on_when_another_particle_has_left(freefem_text, tmp_path)
 
 
 @pytest.mark.parametrize("bodies, loads, complaint", [
-    ("bodyDisk(0.4, 0.6, 0.12, 2);", "bodyPush(0, bodyAtV(3), 0, 0);", "caseLoads asks for particle 3, which there is not"),
+    ("bodyDisk(0.4, 0.6, 0.12, 2);", "bodyPush(0, bodyAtV(3), 0, 0);", "the case asks for particle 3, which there is not"),
     ("bodyHeld(77);", "bodyPush(0, 1, 0, 0);", "bodyHeld(77): there is no such particle"),
     ("bodyDisk(0.4, 0.6, 0.12, 2); bodyPinned(77);", "bodyPush(0, 1, 0, 0);", "bodyPinned(77): there is no such particle"),
     ("bodyHeld(bodyDisk(0.4, 0.6, 0.12, 2));", "bodyPush(0, 1, 0, 0);", "particle 0 is held"),
