@@ -491,3 +491,28 @@ def test_carried_particles_make_a_step_at_least_before_maxwall(freefem, coarse, 
     assert "finished at t = 0.006 s" in freefem(*words, "-restart", tmp_path / "run").stdout
     freefem(*words[:-2], "-out", tmp_path / "whole")
     assert (tmp_path / "run" / "particles.csv").read_bytes() == (tmp_path / "whole" / "particles.csv").read_bytes()
+
+
+def test_what_a_case_writes_at_its_end_stands_once_in_a_run_that_goes_on(tmp_path):
+    """A second row stood below the first."""
+    words = ["cases/poiseuille.edp", "-dt", "0.02", "-checkpoint", "3"]
+    run_freefem(*words, "-tend", "0.06", "-out", tmp_path / "run")
+    first = (tmp_path / "run" / "errors.csv").read_text().splitlines()
+    run_freefem(*words, "-tend", "0.12", "-restart", tmp_path / "run")
+    second = (tmp_path / "run" / "errors.csv").read_text().splitlines()
+    assert len(first) == len(second) == 2 and first[0] == second[0] and first[1] != second[1]
+
+
+def test_contacts_without_a_disk_have_their_checkpoint(freefem_text, tmp_path):
+    text = """include "lib/options.idp"
+include "lib/bodies.idp"
+include "lib/walls.idp"
+optCase("empty", "a scene of tests/test_restart.py");
+optDefault("-dt", "0.01");
+real gravityX = 0, gravityY = -1;
+macro caseParticles() // EOM
+macro caseWalls() contactWallSegment(-1, -1, 1, -1); // EOM
+include "scripts/contacts.edp"
+"""
+    freefem_text(text, "-tend", 0.1, "-checkpoint", 5, "-out", tmp_path / "run")
+    assert "goes on from t = 0.1 s, step 10" in freefem_text(text, "-tend", 0.2, "-restart", tmp_path / "run").stdout
