@@ -151,3 +151,11 @@ def test_no_macro_of_the_library_is_a_single_word():
     for path in files(".idp"):
         if path.startswith("lib/"):
             assert not re.findall(r"^\s*macro ([a-z]+[0-9]*)\(", (ROOT / path).read_text(), flags=re.M), path
+
+
+@pytest.mark.parametrize("words, told", [(("-penalty", 1e-5, "-indicator", "smooth"), ["-penalty", "-indicator"]), (("-scheme", "published", "-stabilise", 0.2, "-cfl", 0), ["-stabilise"]),
+                                         (("-scheme", "published", "-penalty", 1e-5), []), (("-stabilise", 0.2, "-tolerance", 1e-6), [])])
+def test_an_option_of_the_scheme_that_is_not_run_is_told(words, told, freefem_text, tmp_path):
+    done = freefem_text(case("bodyDisk(0.5, 0.5, 0.12, 2);"), "-tend", 0.01, *words, "-out", tmp_path / "run")
+    other = "standard" if "published" in words else "published"
+    assert re.findall(rf"warning: (-\w+) is for -scheme {other} and does nothing here", done.stdout) == told
