@@ -85,6 +85,8 @@ def test_a_mesh_by_gmsh_gives_the_same(version, tmp_path):
     (SCRIPT.replace("Point(3) = {3, 1, 0, h}", "Point(3) = {3, 1, 1, h}"), "my.geo", "gmsh|not plane"),
     ("", "my.geo", "no triangles"),
     ("nonsense", "my.msh", "gmsh|no triangles"),
+    ("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n1 3 \"wall\"\n$EndPhysicalNames\n$Nodes\n2\n1 0 0 0\n2 1 0 0\n$EndNodes\n$Elements\n1\n1 1 2 3 1 1 2\n$EndElements\n",
+     "my.msh", "add a Physical Surface"),
     (SCRIPT, "my.step", "takes a gmsh script"),
     (SCRIPT.rstrip("\n"), "my.geo", "ends without a newline"),
     (SCRIPT + "Mesh.ScalingFactor = 0;\n", "my.geo", "must be above 0"),

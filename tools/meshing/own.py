@@ -107,7 +107,8 @@ def read(gmsh, source, size, all_sizes=False):
     points, triangles, number = extracted(gmsh, sorted(surfaces) or [-1])
     points *= scale
     if len(triangles) == 0:
-        raise BadInput(f"'{source}' holds no triangles of three nodes" + (": with --size none are taken of a mesh that a script merges" if size else ""))
+        raise BadInput(f"'{source}' holds no triangles of three nodes" + (": with --size none are taken of a mesh that a script merges" if size else
+                       ": gmsh writes what belongs to physical groups alone where there is one; add a Physical Surface and mesh it again" if source.suffix == ".msh" else ""))
     if np.ptp(points[:, 2]) > 1e-9 * np.ptp(points[:, :2]):
         raise BadInput(f"'{source}' is not plane: z reaches from {points[:, 2].min():g} to {points[:, 2].max():g}")
     points = points[:, :2]
