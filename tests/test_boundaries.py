@@ -426,3 +426,12 @@ def test_gravity_along_x_is_as_gravity_along_y(words, freefem_text, tmp_path):
     np.testing.assert_allclose(left.particles["u"], down.particles["v"], rtol=0.05 if len(words) > 2 or "published" in words else 0.02)
     if "-forces" in words:
         np.testing.assert_allclose(left.table("forces")["fx"], down.table("forces")["fy"], rtol=0.02)
+
+
+@pytest.mark.parametrize("velocity, told", [("macro boundaryU() (0.2*(0.5 - y)) // EOM\nmacro boundaryV() (0.2*(x - 0.5)) // EOM", 4), ("macro boundaryU() 0.1 // EOM", 0)])
+def test_a_wall_that_does_not_move_along_itself_is_told(velocity, told, freefem_text, tmp_path):
+    """The sides of a box that turns: what the fluid has there crosses them, and so do particles."""
+    sides = "labelLeft, labelRight, labelBottom, labelTop"
+    text = case("bodyDisk(0.5, 0.5, 0.12, 2);", walls="" if told else "labelLeft, labelRight, labelTop", moving=sides if told else "labelBottom", more=velocity, gravity=0)
+    done = freefem_text(text, "-tend", 0.01, "-out", tmp_path / "run")
+    assert done.stdout.count("(flowMoving) flows in as much as out: it is no wall") == told, done.stdout
