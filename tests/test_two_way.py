@@ -1,4 +1,5 @@
 """Two-way coupling: what the fluid gets, in closed forms (tools/transport_two_way.py), and what it leaves alone."""
+import math
 import re
 
 import pytest
@@ -173,3 +174,47 @@ def test_a_seed_of_which_nobody_leaves_has_no_part_in_the_mean_time_of_exit(tmp_
         assert coupling_effect.main(["--seeds", str(len(leaves)), "--out", str(tmp_path / "out")]) == 0
         said = capsys.readouterr().out
         assert re.search(says, said) and "nan" not in said
+
+
+@pytest.mark.parametrize("turbulence", ["off", "fluctuation"])
+def test_what_acts_back_is_without_the_stresses_of_the_undisturbed_flow(turbulence, freefem_text, tmp_path):
+    """A sphere at rest in u = 3 x, v = -3 y: m_p dU/dt - m_f Du/Dt, with weight and buoyancy out; the acceleration is that of the mean flow where there are fluctuations."""
+    text = BOX.replace("carrierWh u = 0., v = 0.; carrierFlow(u[], v[]);", "carrierWh u = 3*x, v = -3*y, k = 0.06, e = 0.6; carrierFlow(u[], v[]); carrierTurbulence(k[], e[]);")
+    text = text.replace("x0 = [0.5, 0.3], y0 = [0.52, 0.4], r = [0.02, 0.01], d = [2500., 7000.], u0 = [1., 0.5], v0 = [0.2, -0.3], z = [0., 0.]",
+                        "x0 = [0.5], y0 = [0.4], r = [0.02], d = [2500.], u0 = [0.], v0 = [0.], z = [0.]").replace("gravityX = 0, gravityY = 0", "gravityX = 2, gravityY = -9.81")
+    mesh, dt = tmp_path / "box.mesh", 1e-3
+    freefem_text(text.format(mesh=mesh), "-mesh", mesh, "-turbulence", turbulence, "-fluid-acceleration", 1, "-depth", 1e30, "-dt", dt, "-tend", dt, "-every", 0, "-contacts", 0,
+                 "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    flow, sphere, volume = run.table("coupling"), run.particles, 4 / 3 * math.pi * 0.02**3
+    for axis, name, fluid, gravity in (("x", "u", 9 * 0.5, 2), ("y", "v", 9 * 0.4, -9.81)):
+        gained = 2500 * volume * sphere[name][-1] / dt
+        assert flow[f"force_{axis}"][-1] == pytest.approx(gained - 1000 * volume * fluid - 1500 * volume * gravity, rel=1e-8)
+        assert abs(flow[f"source_{axis}"][-1] + flow[f"force_{axis}"][-1]) < 1e-9
+
+
+CHANNEL = """include "lib/options.idp"
+include "lib/labels.idp"
+optCase("channel", "a sphere that settles drives a fluid so viscous that it goes as one, between walls with a law");
+optDefault("-mesh", "meshes/periodic_box.mesh");
+optDefault("-coupling", "two-way");
+real rhoFluid = 1000, mu = 1e5, gravityX = {along}, gravityY = {up};
+macro twoWaySpaces() fespace twoXh(Th, [P2, P2, P1], periodic = [[{sides[0]}, {axis}], [{sides[1]}, {axis}]]); fespace sourceQh(Th, P1, periodic = [[{sides[0]}, {axis}], [{sides[1]}, {axis}]]); // EOM
+macro twoWayFriction() 0.5 // EOM
+macro caseCarrier() carrierWh u = 0., v = 0.; carrierFlow(u[], v[]); // EOM
+macro caseTwoWay() twoWayWalls.resize(2); twoWayWalls[0] = {walls[0]}; twoWayWalls[1] = {walls[1]}; twoWayBegin(timeStep); // EOM
+macro caseParticles() {{ real[int] x0 = [0.5], r = [0.01], d = [2500.], z = [0.]; transportAppend(x0, x0, r, d, z, z, z); }} // EOM
+include "scripts/transport.edp"
+"""
+
+
+@pytest.mark.parametrize("way", ["x", "y"])
+def test_walls_with_a_law_hold_the_fluid_by_their_friction(way, freefem_text, tmp_path):
+    """d(momentum)/dt = weight less buoyancy - 2 c/H momentum; a part of the weight across the channel moves nothing."""
+    sides, walls = ["labelLeft", "labelRight"], ["labelBottom", "labelTop"]
+    words = {"along": 9.81, "up": -3, "sides": sides, "walls": walls, "axis": "y"} if way == "x" else {"along": -3, "up": 9.81, "sides": walls, "walls": sides, "axis": "x"}
+    freefem_text(CHANNEL.format(**words), "-drag", "stokes", "-coupling-width", 10, "-contacts", 0, "-dt", 0.02, "-tend", 1, "-out", tmp_path / "run")
+    flow = RunFolder(tmp_path / "run").table("coupling")
+    along, across = ("momentum_x", "momentum_y") if way == "x" else ("momentum_y", "momentum_x")
+    assert flow[along][-1] == pytest.approx(1500 * 4 / 3 * math.pi * 1e-6 * 9.81 * (1 - math.exp(-1)), rel=5e-3)
+    assert abs(flow[across][-1]) < 1e-2 * flow[along][-1]
