@@ -714,3 +714,18 @@ def test_a_flow_on_a_mesh_goes_on_over_the_seam_of_a_period(freefem_text, tmp_pa
     assert found["mesh"]["x"].max() > 3 and found["mesh"]["y"].min() < -2.5
     for name in "xyuv":
         np.testing.assert_allclose(found["mesh"][name], found["formula"][name], atol=3e-3)
+
+
+@pytest.mark.parametrize("along", ["x", "y"])
+def test_a_sphere_slides_on_a_wall_that_is_a_whole_period_long(along, freefem_text, tmp_path):
+    """One piece, which has no end: it passes the seam seven times, and the wall bears its weight once in each row."""
+    wall, start = ("0, 0, 1, 0", "x0 = [0.3], y0 = [0.1], u0 = [7.], v0 = [0.]") if along == "x" else ("0, 0, 0, 1", "y0 = [0.3], x0 = [0.1], v0 = [7.], u0 = [0.]")
+    bodies = f"contactWallSegment({wall}); contactPeriodic(0, 0, 1, 1); real[int] {start}, r = [0.1], d = [2500.], z = [0.]; transportAppend(x0, y0, r, d, u0, v0, z);"
+    text = FLOW.format(carrier="carrierU = 0.;", bodies=bodies).replace("gravityX = 0, gravityY = 0", "gravityX = 0, gravityY = -3" if along == "x" else "gravityX = -3, gravityY = 0")
+    freefem_text(text, "-drag", "off", "-lift", 0, "-added-mass", 0, "-dt", 0.02, "-tend", 1, "-every", 0, "-out", tmp_path / "run")
+    table, touch = read_table(tmp_path / "run/particles.csv"), read_table(tmp_path / "run/contacts.csv")
+    across = "y" if along == "x" else "x"
+    np.testing.assert_allclose(table[along], 0.3 + 7 * table["t"], atol=1e-9)
+    np.testing.assert_allclose(table[across], 0.1, atol=1e-12)
+    assert len(touch["t"]) == 50 and len(rows(tmp_path / "run/walls.csv")) == 1
+    np.testing.assert_allclose(touch["impulse"], 1500 * 4 / 3 * np.pi * 1e-3 * 3 * 0.02, rtol=1e-9)
