@@ -137,7 +137,7 @@ def test_a_row_squeezed_between_two_prescribed_disks_is_said_at_once(number):
 
 @pytest.mark.parametrize("number", [50, 500])
 def test_a_residual_below_what_rounding_leaves_is_as_good_as_it_gets(number):
-    """A stack: the pushes at its foot are `number` times as long as one disk's, and known to 1e-15 of that."""
+    """A stack: the pushes at its foot are `number` times as long as one disk's, and known to 4e-16 of that."""
     x = np.column_stack([np.zeros(number), 0.01 * (2 * np.arange(number) + 1)])
     answer = project(Scene(x, 0.01 * (1 - 1e-13), 1.0, np.outer(np.ones(number), [0, -0.25]), FLOOR), tol=1e-16)
     assert answer.figures[0]["residual"] < 1e-15 * number and answer.figures[0]["factorisations"] < 100
