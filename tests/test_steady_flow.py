@@ -327,6 +327,12 @@ def test_a_turbulent_flow_that_fails_on_the_coarsest_mesh_starts_anew(freefem, r
     assert found["residual"] <= 0.1 and abs(found["flux_defect"]) < 0.01
 
 
+@pytest.mark.parametrize("reynolds, warns", [(5000, True), (44000, False)])
+def test_a_step_too_slow_for_the_law_of_the_wall_is_told(freefem, run_folder, reynolds, warns):
+    out = freefem("cases/turbulent_step.edp", "-size", 0.25, "-inlet", 5, "-outlet", 12, "-tolerance", 0.1, "-reynolds", reynolds, "-out", run_folder).stdout
+    assert ("step heights in the mean, whatever the cells; take a higher -reynolds" in out) == warns
+
+
 def test_step_reattaches(freefem, run_folder):
     # The range is that of coarse meshes; tools.validate_steady judges the fine one.
     found = run(freefem, run_folder, "turbulent_step", "-size", 0.25)
