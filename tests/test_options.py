@@ -143,6 +143,12 @@ def test_an_option_of_a_name_that_is_taken_is_refused(name, says, freefem_text, 
     assert done.returncode == 3 and len(lines) == 1 and f"the option {name} " in lines[0] and says in lines[0] and not (tmp_path / "run").exists()
 
 
+def test_an_option_begins_with_a_dash(freefem_text):
+    """One without was taken, and stood in -help."""
+    done = freefem_text(SCRIPT.replace('"-number"', '"number"'), check=False)
+    assert done.returncode == 3 and "the option 'number' does not begin with -" in done.stderr
+
+
 def test_the_name_of_a_case_names_a_folder(freefem_text):
     done = freefem_text(SCRIPT.replace('"trial"', '"my/trial"'), check=False)
     assert done.returncode == 3 and "holds a /" in done.stderr
