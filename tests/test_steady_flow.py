@@ -223,16 +223,16 @@ real[int] mine(Xh.ndof);
 ransBalance(mine);
 varf mixed([a, b, q, g, h], [c, d, r, l, m])
     = int2d(Th)(ransRadius*(
-        (along(fU, fV, fU) - ransForceX)*c + along(fU, fV, fV)*d + (ransNu + nut)*doubleStrain(fU, fV, c, d)
+        (ransAlong(fU, fV, fU) - ransForceX)*c + ransAlong(fU, fV, fV)*d + (ransNu + ransNut)*doubleStrain(fU, fV, c, d)
         - fP*divOf(c, d) - r*divOf(fU, fV) - 1e-8*fP*r/(ransSpeed*ransLength) + ransGradDiv*divOf(fU, fV)*divOf(c, d)
-        + ransTauM*(strongX*along(fU, fV, c) + strongY*along(fU, fV, d))
-        + along(fU, fV, fK)*l + (ransNu + nut/ransSigmaK)*(gradDot(fK, l) - gradDot(fK, fK)*l) + (rate - ransCmu*producedOf(fU, fV)/rate)*l
-        + along(fU, fV, fE)*m + (ransNu + nut/ransSigmaE)*(gradDot(fE, m) - gradDot(fE, fE)*m) + (ransC2*rate - ransC1*ransCmu*producedOf(fU, fV)/rate)*m
-        + ransTauT*(strongK*along(fU, fV, l) + strongE*along(fU, fV, m))));
+        + ransTauM*(strongX*ransAlong(fU, fV, c) + strongY*ransAlong(fU, fV, d))
+        + ransAlong(fU, fV, fK)*l + (ransNu + ransNut/ransSigmaK)*(gradDot(fK, l) - gradDot(fK, fK)*l) + (ransRate - ransCmu*producedOf(fU, fV)/ransRate)*l
+        + ransAlong(fU, fV, fE)*m + (ransNu + ransNut/ransSigmaE)*(gradDot(fE, m) - gradDot(fE, fE)*m) + (ransC2*ransRate - ransC1*ransCmu*producedOf(fU, fV)/ransRate)*m
+        + ransTauT*(strongK*ransAlong(fU, fV, l) + strongE*ransAlong(fU, fV, m))));
 varf scales([a, b, q, g, h], [c, d, r, l, m])
-    = int2d(Th)(ransRadius*(ransSpeed^2*(c + d) + ransSpeed*r)/ransLength + ransRadius*rate*(l + m));
-Zh timeM = 1./sqrt((4.*sqrt(fU^2 + fV^2)/ransSize)^2 + (16.*(ransNu + nut)/ransSize^2)^2);
-Zh timeT = 1./sqrt((2.*sqrt(fU^2 + fV^2)/ransSize)^2 + (4.*(ransNu + nut/ransSigmaE)/ransSize^2)^2 + rate^2);
+    = int2d(Th)(ransRadius*(ransSpeed^2*(c + d) + ransSpeed*r)/ransLength + ransRadius*ransRate*(l + m));
+Zh timeM = 1./sqrt((4.*sqrt(fU^2 + fV^2)/ransSize)^2 + (16.*(ransNu + ransNut)/ransSize^2)^2);
+Zh timeT = 1./sqrt((2.*sqrt(fU^2 + fV^2)/ransSize)^2 + (4.*(ransNu + ransNut/ransSigmaE)/ransSize^2)^2 + ransRate^2);
 real[int] exact = mixed(0, Xh), edges = ransEdges(0, Xh), size = scales(0, Xh);
 exact += edges;
 exact = exact .* ransOpen;
