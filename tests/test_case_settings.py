@@ -159,3 +159,10 @@ def test_an_option_of_the_scheme_that_is_not_run_is_told(words, told, freefem_te
     done = freefem_text(case("bodyDisk(0.5, 0.5, 0.12, 2);"), "-tend", 0.01, *words, "-out", tmp_path / "run")
     other = "standard" if "published" in words else "published"
     assert re.findall(rf"warning: (-\w+) is for -scheme {other} and does nothing here", done.stdout) == told
+
+
+@pytest.mark.parametrize("more", ["real area = 3;", "real top = max(1., 2.), y = 0.5;", "func x = 2.;", "int pi = 3;", "real lenEdge = 0.1;", "int nuTriangle = 5;", ""])
+def test_a_variable_that_hides_a_word_of_the_language_is_refused(more, freefem_text, tmp_path):
+    """With area = 3 the elements were said to be too large, with y = 0.5 all of it was wrong in silence."""
+    done = freefem_text(case("bodyDisk(0.5, 0.5, 0.12, 2);", more=more), "-tend", 0.01, "-out", tmp_path / "run", check=False)
+    assert done.returncode == (3 if more else 0) and ("which the forms take from FreeFEM" in done.stderr) == bool(more), done.stdout
