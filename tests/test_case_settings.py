@@ -166,3 +166,9 @@ def test_a_variable_that_hides_a_word_of_the_language_is_refused(more, freefem_t
     """With area = 3 the elements were said to be too large, with y = 0.5 all of it was wrong in silence."""
     done = freefem_text(case("bodyDisk(0.5, 0.5, 0.12, 2);", more=more), "-tend", 0.01, "-out", tmp_path / "run", check=False)
     assert done.returncode == (3 if more else 0) and ("which the forms take from FreeFEM" in done.stderr) == bool(more), done.stdout
+
+
+@pytest.mark.parametrize("radius, asked", [(0.0005, True), (0.006, False)])
+def test_particles_far_below_an_element_are_asked_for_their_unit(radius, asked, freefem_text, tmp_path):
+    done = freefem_text(case(f"bodyDisk(0.51, 0.52, {radius}, 2);"), "-out", tmp_path / "run", check=False)
+    assert done.returncode == 5 and "elements across" in done.stderr and ("different units" in done.stderr) == asked, done.stderr
