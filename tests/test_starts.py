@@ -147,6 +147,17 @@ def test_a_light_disk_does_not_swing_when_it_is_pushed_in_viscous_fluid(start, f
     assert len(off) == 8 and off[:2].sum() < 3 and off[2:].max() < 0.4
 
 
+def test_a_motor_on_one_disk_does_not_hide_a_push_on_another(freefem_text, tmp_path):
+    """Weaker by ten times, and four steps later. Before, the pushed disk took 1.01, 0.90, 0.84, 0.86, 0.89 of its acceleration."""
+    loads = "macro caseLoads(now) { if (now > 0.0301) bodyPush(1, 0, 1, 0.5); if (now > 0.0501) bodyPush(0, 0.2, 0.5, 0.05); } // EOM"
+    text = case("{ bodyAdd(1.01, 2.02, 0.25, 1.5, 0, 0, 0, 1); bodyAdd(1.01, 5.02, 0.2, 1.5, 0, 0, 0, 1); }", walls="labelWall", mu=0.001, gravity=0, more=loads)
+    freefem_text(text, "-mesh", "meshes/settling_disk.mesh", "-dt", 0.005, "-cfl", 0, "-tend", 0.08, "-every", 1e-9, "-out", tmp_path / "run")
+    rows = RunFolder(tmp_path / "run").particles
+    late = (rows["t"] > 0.0501) & (rows["id"] == 0)
+    mass = np.pi * 0.25**2 * (1.5 + 1 + np.pi**2 / 6 * 0.25**2)
+    np.testing.assert_allclose(rows["v"][late] / (rows["t"][late] - 0.05) * mass / 0.5, 1, rtol=0.03)
+
+
 def test_a_push_between_two_checkpoints_is_repeated_bit_for_bit(freefem_text, tmp_path):
     text = case("bodyAdd(1.01, 3.02, 0.25, 1.5, 0, 0, 0, 1);", walls="labelWall", mu=0.01, gravity=0, more=PUSHED.replace("0.0501)", "0.0201 && now < 0.0451)"))
     options = ["-mesh", "meshes/settling_disk.mesh", "-dt", 0.005, "-cfl", 0, "-checkpoint", 6, "-every", 1e-9]
