@@ -655,15 +655,18 @@ macro caseParticles() {
     r = 5e-5; d = 2500; u0 = 2; z = 0;
     transportAppend(x0, y0, r, d, u0, z, z);
 } // EOM
+macro caseStep() cout << "near " << contactNearN << endl; // EOM
 include "scripts/transport.edp"
 """
 
 
-def test_who_goes_along_is_no_row_of_the_projection(freefem_text, tmp_path):
-    """Every pair within four millimetres was one: a gigabyte for 10,000 spheres."""
-    said = freefem_text(CROWD, "-dt", 0.001, "-tend", 0.002, "-drag", "stokes", "-contact-trace", 1, "-out", tmp_path / "run").stdout
+def test_who_goes_along_is_neither_a_row_of_the_projection_nor_in_the_list(freefem_text, tmp_path):
+    """Every pair within the moves of both was: a gigabyte for 10,000 spheres. Ten radii a step: hardly a row; forty: nobody in the list."""
+    said = freefem_text(CROWD, "-dt", 0.00025, "-tend", 0.0005, "-drag", "stokes", "-contact-trace", 1, "-out", tmp_path / "run").stdout
     found = [(int(a), int(b)) for a, b in re.findall(r"(\d+) contacts, (\d+) rows", said)]
-    assert found and all(contacts > 20000 and rows < 10 for contacts, rows in found)
+    assert found and all(contacts > 5000 and rows < 10 for contacts, rows in found)
+    said = freefem_text(CROWD, "-dt", 0.001, "-tend", 0.002, "-drag", "stokes", "-out", tmp_path / "fast").stdout
+    assert re.findall(r"near (\d+)", said) == ["0", "0"]
 
 
 def test_a_fast_sphere_pushes_a_row_of_others_within_a_step(freefem_text, tmp_path):
