@@ -118,12 +118,12 @@ def test_a_lattice_of_equal_disks_costs_few_factorisations(across, kind, rough):
 
 @pytest.mark.parametrize("seed", [0, 5])
 def test_masses_of_one_to_ten_million_at_thirty_radii_a_step_are_solved(seed):
-    """Light disks that heavy ones drive before them: pushes are 1e7 times as long as what they leave, and are known to rounding of that."""
+    """Light disks that heavy ones drive before them: pushes are 1e7 times as long as what they leave, and are known to rounding of that. Two or three passes of about 40 factorisations."""
     scene, dt = packing(50, "random", seed, filled=0.5), 0.01
     scene.mass = 10 ** np.random.default_rng(seed).uniform(-3.5, 3.5, 50)
     scene.velocity *= 40.0
     answer = project(scene, dt, 1e-10)
-    assert answer.figures[0]["factorisations"] < 80 and answer.figures[0]["residual"] < 1e-7
+    assert answer.figures[0]["factorisations"] < 160 and answer.figures[0]["residual"] < 1e-7
     rows = constraints(scene, 3 * dt * np.hypot(*answer.velocity.T).max())
     matrix, d, weight, q0 = scaled(rows, scene, dt)
     q = dt / scene.radius.mean() * answer.velocity.ravel()
