@@ -28,7 +28,7 @@ def single(context, radius, cells):
     path = context.out / f"one_{radius:g}.csv"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(f"id,x,y,radius,density\n0,0.5,0.5,{radius:g},1\n")
-    run = context.run(CASE, {"-fraction": 0, "-particles": str(path), "-convection": 0, "-dt": 0.08 / cells, "-tend": 0.4, "-tolerance": 1e-7},
+    run = context.run(CASE, {"-fraction": 0, "-particles": str(path), "-convection": 0, "-dt": 0.08 / cells, "-tend": 0.4, "-every": 0.01, "-tolerance": 1e-7},
                       f"one_{radius:g}_{cells}", mesh=("couette_disk", 1 / cells))
     return viscosity(run, 0.35, 0.4), run.cpu_s
 
