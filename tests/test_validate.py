@@ -11,7 +11,7 @@ from tests.synthetic import ROOT, write_csv
 from tools import validate
 from tools.command import BadInput
 from tools.run_folder import RunFolder
-from tools.validation import Context, Failed, Run, discover, judge, settling_disk
+from tools.validation import Context, Failed, Run, discover, judge, settling_disk, suspension
 
 
 def read_report(folder):
@@ -155,3 +155,9 @@ def test_the_benchmark_of_contacts_is_judged(tmp_path):
     (tmp_path / "bench.csv").write_text("disks,kind,solver,tolerance,cpu_s,search_s,memory_mb\n500,random,newton,1e-8,1,0.1,90\n500,random,piqp,1e-8,2,,\n500,gravity,newton,1e-8,,,\n")
     found = list(validate_contacts.speed(validate_contacts.benchmark(tmp_path / "bench.csv")))
     assert [row[2] for row in found] == [0.5, 0.1, 90]
+
+
+def test_the_viscosity_of_one_disk_is_found(tmp_path):
+    """The rows of its run were too far apart for the window of its mean."""
+    found, _ = suspension.single(Context("suspension", tmp_path), 0.2, 8)
+    assert found == pytest.approx(suspension.FITTED[0.2], rel=0.1)  # 3 elements across
