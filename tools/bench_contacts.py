@@ -13,7 +13,6 @@ The project's time holds everything: search, assembly, solution, check of the tr
 Leaves bench_contacts.csv and bench_contacts.png. Times are CPU seconds of this machine;
 other work on it makes all of them longer.
 """
-import csv
 import importlib
 import multiprocessing
 import os
@@ -30,6 +29,7 @@ from scipy import sparse  # noqa: E402
 
 from tools.command import BadInput, Parser, guarded  # noqa: E402
 from tools.contact_problems import constraints, packing, project, residual, scaled  # noqa: E402
+from tools.tables import write_table  # noqa: E402
 
 PEERS = {"piqp": "0.6.4", "clarabel": "0.11.1", "scs": "3.3.1", "osqp": "1.1.3"}
 DT = 0.01
@@ -184,10 +184,7 @@ def table(numbers, tolerances, kinds, peers, limit, seed=0, most=1200):
 def write(found, folder):
     """The CSV."""
     folder.mkdir(parents=True, exist_ok=True)
-    with open(folder / "bench_contacts.csv", "w", newline="") as stream:
-        rows = csv.DictWriter(stream, COLUMNS, restval="", lineterminator="\n")
-        rows.writeheader()
-        rows.writerows(found)
+    write_table(folder / "bench_contacts.csv", COLUMNS, [[row.get(name, "") for name in COLUMNS] for row in found])
     return folder / "bench_contacts.csv"
 
 

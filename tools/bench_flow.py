@@ -224,10 +224,8 @@ def main(words=None):
                              *[float("nan")] * (3 - len(REFERENCE[problem])), reason])
                 print(f"{problem} level {level}, {program}: " + (reason or f"{int(unknowns)} unknowns, {own:.2f} s, error {off:.2e}"), flush=True)
                 head = ["problem", "program", "level", "unknowns", "cpu_s", "cpu_own_s", "error", "first", "second", "third", "reason"]
-                write_table(out / "bench_flow.csv", head, rows)
-                text = (out / "bench_flow.csv").read_text()
                 load = os.getloadavg()[0] if hasattr(os, "getloadavg") else float("nan")
-                (out / "bench_flow.csv").write_text(f"# {machine()}; commit {commit()}; load average {load:.1f}\n" + text)
+                write_table(out / "bench_flow.csv", head, rows, [f"{machine()}; commit {commit()}; load average {load:.1f}"])
                 figure = draw(rows, given.problems, out / "bench_flow.png")
     print(f"figure: {figure}")
     return 0 if not any(row[-1] for row in rows) else 1

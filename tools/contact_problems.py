@@ -9,7 +9,6 @@ The projection: min 1/2 sum m_i |u_i - u^_i|^2 with gap_k + dt G_k.u >= 0 (Maury
 Lefebvre 2007). Units SI, masses and impulses per metre of depth. A mass below 0 marks a
 disk whose motion is prescribed.
 """
-import csv
 import re
 import tempfile
 from dataclasses import dataclass, field
@@ -48,12 +47,8 @@ class Scene:
     def write(self, folder):
         """bodies.csv and walls.csv in the folder, all digits."""
         folder = Path(folder)
-        with open(folder / "bodies.csv", "w", newline="") as stream:
-            rows = csv.writer(stream, lineterminator="\n")
-            rows.writerow("id x y radius mass u v".split())
-            for k in range(len(self.x)):
-                values = [self.x[k, 0], self.x[k, 1], self.radius[k], self.mass[k], *self.velocity[k]]
-                rows.writerow([int(self.ids[k]), *(f"{a:.17g}" for a in values)])
+        bodies = np.column_stack([self.ids, self.x, self.radius, self.mass, self.velocity])
+        np.savetxt(folder / "bodies.csv", bodies, fmt=["%d", *["%.17g"] * 6], delimiter=",", header="id,x,y,radius,mass,u,v", comments="")
         np.savetxt(folder / "walls.csv", self.walls, fmt="%.17g", delimiter=",", header="x1,y1,x2,y2", comments="")
 
 

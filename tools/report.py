@@ -5,7 +5,7 @@ import os
 from datetime import datetime, timezone
 
 from tools.runner import commit, machine, versions
-from tools.tables import write_table
+from tools.tables import write_table, write_text
 
 COLUMNS = ["case", "quantity", "source", "target", "allowed", "measured", "difference", "pass", "cpu_s", "figure", "reason"]
 STYLE = """body{font:15px/1.45 system-ui,sans-serif;max-width:70em;margin:2em auto;padding:0 1em;color:#111}
@@ -46,15 +46,10 @@ def difference(row):
 
 def write_report(rows, head, folder, whole=True):
     """Write report.csv and report.html into the folder; whole: no comparison is still to come."""
-    part = folder / "report.csv.part"
-    write_table(part, COLUMNS, [[r.case, r.quantity, r.source, r.target, r.allowed, r.measured, r.measured - r.target,
-                                 "yes" if r.passed else "no", r.cpu_s, relative(r.figure, folder), r.reason] for r in rows])
-    text = "".join(f"# {name}: {value}\n" for name, value in head) + part.read_text(encoding="utf-8")
-    part.write_text(text, encoding="utf-8")
-    os.replace(part, folder / "report.csv")
-    part = folder / "report.html.part"
-    part.write_text(page(rows, head, folder, whole), encoding="utf-8")
-    os.replace(part, folder / "report.html")
+    table = [[r.case, r.quantity, r.source, r.target, r.allowed, r.measured, r.measured - r.target,
+              "yes" if r.passed else "no", r.cpu_s, relative(r.figure, folder), r.reason] for r in rows]
+    write_table(folder / "report.csv", COLUMNS, table, [f"{name}: {value}" for name, value in head])
+    write_text(folder / "report.html", page(rows, head, folder, whole))
     return folder / "report.html"
 
 

@@ -44,7 +44,7 @@ from tools.mesh_files import read_mesh
 from tools.run_folder import RunFolder
 from tools.runner import commit, cores, fingerprint, freefem, named_files, run_case, run_command, side_by_side
 from tools.study_report import error_of, extrapolated, name_of, report
-from tools.tables import write_table
+from tools.tables import write_table, write_text
 
 COLUMNS = ["case", "meshsize", "dt", "options", "quantity", "value", "reference", "error", "relative_error",
            "cpu_s", "wall_s", "steps", "vertices", "memory_mib", "timing", "commit", "status", "reason", "run"]
@@ -186,9 +186,7 @@ def one_run(study, size, dt, mesh):
                   memory_mib=max(r.memory_mb for r in runs))
     note.parent.mkdir(parents=True, exist_ok=True)
     (note.with_suffix(".log")).write_text(last.log)
-    part = note.with_suffix(".part")
-    part.write_text(json.dumps(record, indent=1))
-    os.replace(part, note)
+    write_text(note, json.dumps(record, indent=1))
     return record
 
 
@@ -300,9 +298,7 @@ def write_study(study, records, references):
                          error / size if size > 0 else math.nan, record["cpu_s"], record["wall_s"], record["steps"], record.get("vertices", math.nan),
                          record["memory_mib"], int(bool(record["timing"])), record["commit"], record["status"], why,
                          os.path.relpath(record["run"], study.out)])
-    part = study.out / "study.csv.part"
-    write_table(part, COLUMNS, rows)
-    os.replace(part, study.out / "study.csv")
+    write_table(study.out / "study.csv", COLUMNS, rows)
 
 
 def positive(text):

@@ -3,7 +3,10 @@
 A table is a dict of float arrays, all of one length, in the order of the header.
 Errors: BadInput with the file and line of what cannot be read.
 """
+import contextlib
 import csv
+import os
+from pathlib import Path
 
 import numpy as np
 
@@ -65,14 +68,28 @@ def first_fault(path, body, names):
     return f"{path}: the rows cannot be read as numbers"
 
 
-def write_table(path, names, rows):
-    """Write rows (sequences as long as names) as CSV; reals with 12 digits, None as empty."""
+def write_table(path, names, rows, head=()):
+    """Write rows (sequences as long as names) as CSV, whole or not at all; reals with 12 digits, None as empty. head: comments above the header row."""
     def shown(value):
         if value is None:
             return ""
         return f"{value:.12g}" if isinstance(value, (float, np.floating)) else value
-    with open(path, "w", newline="", encoding="utf-8") as stream:
+    with whole(path) as part, open(part, "w", newline="", encoding="utf-8") as stream:
+        stream.writelines(f"# {line}\n" for line in head)
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(names)
-        for row in rows:
-            writer.writerow([shown(value) for value in row])
+        writer.writerows([shown(value) for value in row] for row in rows)
+
+
+def write_text(path, text):
+    """Write a text, whole or not at all."""
+    with whole(path) as part:
+        part.write_text(text, encoding="utf-8")
+
+
+@contextlib.contextmanager
+def whole(path):
+    """The name to write a file under, which then replaces the file: who reads it, or stops the program, never meets half of one."""
+    part = Path(f"{path}.part")
+    yield part
+    os.replace(part, path)

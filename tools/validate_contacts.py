@@ -18,7 +18,7 @@ from tools import bench_contacts
 from tools.command import BadInput, Parser, guarded
 from tools.contact_problems import Scene, constraints, isotonic, packing, project, qp_piqp, read_scene, scaled
 from tools.runner import run_case
-from tools.tables import read_table
+from tools.tables import read_table, write_table
 
 DATA = "tests/data/contact/random_{}_{}.csv"
 
@@ -169,8 +169,7 @@ def main(words=None):
             good = bool(measured <= target)
             found.append([name, target, f"{measured:.4g}", "pass" if good else "MISSED"])
             print(f"{name:88s} {'<= ' + format(target, 'g'):>9s} {measured:10.3g} {found[-1][3]}", flush=True)
-    with open(folder / "validate_contacts.csv", "w", newline="") as stream:
-        csv.writer(stream, lineterminator="\n").writerows([["quantity", "target_at_most", "measured", "verdict"], *found])
+    write_table(folder / "validate_contacts.csv", ["quantity", "target_at_most", "measured", "verdict"], found)
     missed = sum(row[3] != "pass" for row in found)
     print(f"{len(found) - missed} of {len(found)} targets met; table in {folder}/validate_contacts.csv")
     return 1 if missed else 0

@@ -4,7 +4,6 @@ A Map builds a Cell (script, options, checks) from a pair of values. A cell's re
 another cell of the same map, (x, y), in the grid or not, or an array of exact values.
 """
 import hashlib
-import os
 import re
 import threading
 from dataclasses import dataclass, field
@@ -18,6 +17,7 @@ from tools.meshing import CASES
 from tools.meshing.medit import write
 from tools.stress.awkward import spoiled
 from tools.stress.classes import Checks
+from tools.tables import write_text
 
 MAKERS = [*ROOT.glob("tools/meshing/*.py"), ROOT / "tools/stress/awkward.py"]
 MAKING = threading.Lock()  # gmsh serves one thread at a time
@@ -86,9 +86,7 @@ class Disks:
         path = Path(folder) / f"disks_{hashlib.sha256(text.encode()).hexdigest()[:12]}.csv"
         with MAKING:  # cells that run side by side share it
             if not path.is_file():
-                part = path.with_suffix(f".{os.getpid()}")
-                part.write_text(text)
-                os.replace(part, path)
+                write_text(path, text)
         return path
 
 

@@ -1,8 +1,6 @@
 """Where the maps end: the limits in words, each with its remedy; the defaults must lie inside."""
-import os
-
 from tools.stress.classes import FAILED, GOOD, LETTERS, WORDS
-from tools.tables import write_table
+from tools.tables import write_table, write_text
 
 COLUMNS = ["map", "class", "where", "cells", "example", "remedy"]
 
@@ -80,9 +78,7 @@ def write_limits(maps, out, head):
         text.append(f"- {one.title}: " + ", ".join(f"{number} {WORDS[kind]}" for kind, number in count.items() if number) + f". Accurate: {one.held}.")
     text += ["", "The defaults of the cases lie well inside (their own cell and its neighbours are stable):", ""]
     text += [f"- {name}: {'yes' if good else 'NO, ' + words}" for name, good, words in defaults_inside(maps)]
-    part = out / "limits.md.part"
-    part.write_text("\n".join(text) + "\n", encoding="utf-8")
-    os.replace(part, out / "limits.md")
+    write_text(out / "limits.md", "\n".join(text) + "\n")
     return rows
 
 

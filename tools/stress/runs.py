@@ -6,7 +6,6 @@ import os
 import re
 import shutil
 import time
-from pathlib import Path
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from tools.run_folder import RunFolder
 from tools.runner import Done, commit, fingerprint, freefem, option_words, run_command, side_by_side
 from tools.stress.cells import Disks, Mesh
 from tools.stress.classes import GOOD, WORDS, judge
-from tools.tables import write_table
+from tools.tables import write_table, write_text
 
 NICE = 10  # wall-clock seconds a CPU second may take before a cell counts as hanging
 COLUMNS = ["map", "x", "y", "part", "class", "reason", "error", "tolerance", "overlap_radii", "status", "cpu_s",
@@ -54,9 +53,7 @@ def run_cell(one, x, y, out, limit):
     done = run_command(command, NICE * limit + 60)
     record = {"map": one.name, "x": x, "y": y, "key": key, "limit": limit, "status": done.status, "reason": done.reason,
               "log": done.log[-4000:], "cpu_s": done.cpu_s, "memory_mib": done.memory_mb, "commit": commit(), "run": str(folder)}
-    part = note.with_suffix(".part")
-    part.write_text(json.dumps(record, indent=1))
-    os.replace(part, note)
+    write_text(note, json.dumps(record, indent=1))
     return {**record, "fresh": True}
 
 
@@ -144,6 +141,4 @@ def write_map(one, grid, rows, out):
     table = [[one.name, pair[0], pair[1], "grid" if pair in grid else "reference", row["class"], row["reason"], row["error"],
               row["tolerance"], row["overlap_radii"], row["status"], row["cpu_s"], row["memory_mib"], row["commit"],
               os.path.relpath(row["run"], out)] for pair, row in sorted(rows.items(), key=lambda item: item[0] not in grid)]
-    part = out / f"{one.name}.csv.part"
-    write_table(part, COLUMNS, table)
-    os.replace(part, out / f"{one.name}.csv")
+    write_table(out / f"{one.name}.csv", COLUMNS, table)

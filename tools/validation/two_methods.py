@@ -7,10 +7,9 @@ their errors stand in penalty.csv beside the figure.
 As eps -> 0 the published scheme settles on an error of its own, that of its mesh, which falls about as h,
 and of its time step of 0.005 s (a fifth of it with 4 elements across).
 """
-import csv
-
 from tools import quantities
 from tools.plotting import PAGE_WIDTH, curve, plt, save
+from tools.tables import write_table
 from tools.validation import Failed
 from tools.validation.settling_disk import fitted_mean
 
@@ -73,8 +72,7 @@ def two_methods(context):
         found = tried(f"published, indicator {indicator}", 4, indicator, scheme="published", indicator=indicator, dt=0.005)
         if found:
             table.append((indicator, 1e-6, 4, *found))
-    with open(context.figure_path("penalty").with_suffix(".csv"), "w", newline="") as stream:
-        csv.writer(stream, lineterminator="\n").writerows([("indicator", "penalty", "cells", "error", "cpu_s"), *table])
+    write_table(context.figure_path("penalty").with_suffix(".csv"), ["indicator", "penalty", "cells", "error", "cpu_s"], table)
     path = draw(table, standards, context.figure_path("penalty"))
     for row in rows:
         row.figure = str(path)
