@@ -15,7 +15,6 @@ into the environment in use. A program that is not there or fails is a row with 
 
 Writes bench_flow.csv and bench_flow.png. Status 0: all ran; 1: something did not.
 """
-import csv
 import json
 import math
 import os
@@ -67,12 +66,6 @@ def error(problem, found):
     return max(abs(found[name] / target - 1) for name, target in REFERENCE[problem].items())
 
 
-def results(folder):
-    """results.csv as {quantity: value}."""
-    with open(folder / "results.csv", newline="") as stream:
-        return {row["quantity"]: float(row["value"]) for row in csv.DictReader(stream)}
-
-
 def mesh_of(problem, level, out, size=1.0):
     """The mesh file of a level, its elements `size` times as large, made once."""
     mesh = out / "meshes" / f"{problem}_{level}_{size:g}.mesh"
@@ -107,7 +100,7 @@ def ours(problem, level, out, limit, size):
         found = vortices(force["t"], 20 * force["force_x"], 20 * force["force_y"], 4.5)
         unknowns = size_of(run)
     else:
-        found = results(folder)
+        found = RunFolder(folder).results
         found["drag"] = found.get("drag_coefficient", float("nan"))
         unknowns = found["unknowns"]
     return unknowns, found, done.cpu_s, done.cpu_s, ""
@@ -123,7 +116,7 @@ def published(problem, level, out, limit):
         return 0, {}, done.cpu_s, done.cpu_s, done.reason
     run = RunFolder(folder)
     if problem == "cavity":
-        return size_of(run, holes=0), results(folder), done.cpu_s, done.cpu_s, ""
+        return size_of(run, holes=0), run.results, done.cpu_s, done.cpu_s, ""
     force = run.table("forces")
     if problem == "2d1":
         found = {"drag": 500 * force["force_x"][-1]}

@@ -6,6 +6,7 @@
 Everything is read when first asked for. Errors: BadInput naming the file and what is
 wrong. Units are those of the case; run.units gives their names.
 """
+import csv
 import json
 import re
 import sys
@@ -187,6 +188,16 @@ class RunFolder:
     def contacts(self):
         """contacts.csv: one row per touching pair and output time."""
         return self.columns("contacts")
+
+    @cached_property
+    def results(self):
+        """results.csv of a steady flow as {quantity: value}."""
+        path = self.folder / "results.csv"
+        try:
+            with open(path, newline="", encoding="utf-8") as stream:
+                return {row["quantity"]: float(row["value"]) for row in csv.DictReader(stream)}
+        except (OSError, ValueError, KeyError, TypeError) as problem:
+            raise BadInput(f"cannot read {path}: {problem}") from None
 
     @cached_property
     def mesh(self):

@@ -9,6 +9,7 @@ import csv
 from pathlib import Path
 
 from tools.command import ROOT, BadInput, Parser, guarded
+from tools.run_folder import RunFolder
 from tools.runner import commit, machine, run_case
 from tools.tables import write_table
 
@@ -53,19 +54,13 @@ RUNS = [
 ]
 
 
-def read_results(folder):
-    """results.csv of a run as {quantity: value}."""
-    lines = (Path(folder) / "results.csv").read_text(encoding="utf-8").splitlines()[1:]
-    return {name: float(value) for name, value, _ in (line.split(",", 2) for line in lines)}
-
-
 def judge(run, folder):
     """Rows of one run."""
     name, script, options, targets = run
     done = run_case(script, options, out=folder / name)
     if not done.ok:
         return [[name, quantity, source, low, high, "nan", "no", done.cpu_s] for quantity, source, low, high in targets], done.reason
-    found = read_results(folder / name)
+    found = RunFolder(folder / name).results
     missing = [quantity for quantity, *_ in targets if quantity not in found]
     return [[name, quantity, source, low, high, found.get(quantity, "nan"), "yes" if quantity in found and low <= found[quantity] <= high else "no", done.cpu_s]
             for quantity, source, low, high in targets], f"results.csv lacks {', '.join(missing)}" if missing else ""

@@ -8,7 +8,6 @@
     blown up   not finite, not bounded, not at the end time, or ended without a reason
     not run    the case refuses its options (given in tools.stress.runs): the map is out of date
 """
-import csv
 import math
 from dataclasses import dataclass, field
 
@@ -56,7 +55,7 @@ def judge(done, checks, folder, error=None):
         run = RunFolder(folder)
         tables = {name: run.table(name) for name in TABLES if run.has(name)}
         if run.has("results"):
-            tables["results"] = {name: np.array([value]) for name, value in results(run).items()}
+            tables["results"] = {name: np.array([value]) for name, value in run.results.items()}
         fault = not_finite(tables) or not_bounded(tables, checks.bounds) or not_at_end(tables, checks.end)
         if fault:
             return "blown up", fault, depth
@@ -73,12 +72,6 @@ def judge(done, checks, folder, error=None):
         return "stable", "there is no error to judge by: the reference run did not end well, or the quantity is no number", depth
     near = verdict[0] <= verdict[1]
     return ("accurate" if near else "stable"), f"error {verdict[0]:.2g}, accurate up to {verdict[1]:g}", depth
-
-
-def results(run):
-    """{quantity: value} of results.csv, which holds a word and a unit in each row."""
-    with open(run.folder / "results.csv", newline="", encoding="utf-8") as stream:
-        return {row["quantity"]: float(row["value"]) for row in csv.DictReader(stream)}
 
 
 def not_finite(tables):

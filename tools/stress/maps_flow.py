@@ -2,7 +2,7 @@
 import numpy as np
 
 from tools.stress.cells import Axis, Cell, Map, Mesh
-from tools.stress.classes import Checks, results
+from tools.stress.classes import Checks
 
 PIPE = Mesh(("pipe_obstacles", "--size", 0.016))  # 13 elements across the pipe, 10 across the throat
 STEPS = [0.001, 0.002, 0.004, 0.008, 0.016, 0.032]
@@ -48,7 +48,7 @@ def steady(factor, case):
     """A steady case at its Reynolds number times a factor; accurate: the residual is as asked."""
     name, value, options = STEADY[case]
     options = {**options, name: value / factor if name == "-mu" else value * factor}
-    return Cell(f"cases/{case}.edp", options, Checks({}, None), lambda run: np.array([results(run)["residual"]]), "own",
+    return Cell(f"cases/{case}.edp", options, Checks({}, None), lambda run: np.array([run.results["residual"]]), "own",
                 options.get("-tolerance", 1e-5), patience=3)
 
 

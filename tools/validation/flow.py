@@ -4,8 +4,6 @@
 reference computations. Cavity: Botella & Peyret, Comput. Fluids 27 (1998). Step: Erturk,
 Comput. Fluids 37 (2008). Expansion 1:3: Fearn, Mullin & Cliffe, J. Fluid Mech. 211 (1990).
 """
-import csv
-
 import numpy as np
 
 from tools.command import ROOT
@@ -19,12 +17,6 @@ STEADY = {"drag_coefficient": (5.57953523384, 1e-4), "lift_coefficient": (0.0106
           "pressure_difference": (0.11752016697, 1e-3)}
 VORTICES = {"largest drag coefficient": 3.227393, "least drag coefficient": 3.164263,
             "lift coefficient, peak to peak": 2.007871, "Strouhal number": 0.301841}
-
-
-def numbers(run):
-    """results.csv of a run as {quantity: value}."""
-    with open(run.folder.folder / "results.csv", newline="") as stream:
-        return {row["quantity"]: float(row["value"]) for row in csv.DictReader(stream)}
 
 
 def peak(t, f):
@@ -98,7 +90,7 @@ def cylinder_steady(context):
     runs, meshes = [], [("cylinder_channel", 0.12), None]
     for k, mesh in enumerate(meshes):
         runs.append(context.run("cases/cylinder_steady.edp", {}, f"2d1_{k}", mesh=mesh))
-    found = [numbers(run) for run in runs]
+    found = [run.folder.results for run in runs]
     figure, axes = plt.subplots(figsize=(PAGE_WIDTH / 2, 3.0), layout="constrained")
     for k, (name, (target, _)) in enumerate(STEADY.items()):
         axes.loglog([f["unknowns"] for f in found], [abs(f[name] / target - 1) for f in found], marker="o", **curve(k), label=name.replace("_", " "))
@@ -184,7 +176,7 @@ def cavity(context):
         one.set_ylabel(f"{name} (m/s)")
         one.grid(True)
     axes[0].legend(loc="best")
-    found, cost = numbers(run), {"cpu_s": run.cpu_s, "figure": save(figure, context.figure_path("cavity"))}
+    found, cost = run.folder.results, {"cpu_s": run.cpu_s, "figure": save(figure, context.figure_path("cavity"))}
     for name, target in (("u_least", -0.3885698), ("v_most", 0.3769447), ("v_least", -0.5270771)):
         yield context.row(f"cavity: {name.replace('_', ' ')} (m/s)", "Botella & Peyret 1998", target, found[name], rtol=0.001, **cost)
 
@@ -196,7 +188,7 @@ def backward_step(context):
     figure, axes = plt.subplots(figsize=(PAGE_WIDTH / 2, 3.0), layout="constrained")
     mesh = context.mesh("backward_step", 1 / 14, "--longest", "3")
     run = context.run("cases/backward_step.edp", {}, "step_800", mesh=mesh)
-    found = numbers(run)
+    found = run.folder.results
     for k, name in enumerate(names):
         there = given[name] > 0
         axes.plot(given["Re"][there], given[name][there], "o", markersize=3.5, markerfacecolor="white", markeredgecolor=curve(k)["color"])
@@ -220,7 +212,7 @@ def sudden_expansion(context):
     """Sudden expansion 1:3: symmetric below, asymmetric above, and the critical Reynolds number."""
     runs = {reynolds: context.run("cases/sudden_expansion.edp", {"-reynolds": float(reynolds), "-search": int(reynolds == 40)}, f"expansion_{reynolds}")
             for reynolds in (35, 40, 50, 60)}
-    found = {reynolds: numbers(run) for reynolds, run in runs.items()}
+    found = {reynolds: run.folder.results for reynolds, run in runs.items()}
     figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.8), layout="constrained")
     for one, name, label in ((axes[0], "growth", "growth rate (1/s)"), (axes[1], "asymmetry", "largest |v| on the axis over the speed")):
         one.plot(list(found), [f[name] for f in found.values()], marker="o", **curve(0))
