@@ -13,9 +13,10 @@ from tools.bench import __main__ as bench
 from tools.bench import skip
 from tools.bench.figure import draw
 from tools.bench.page import write_page
-from tools.bench.rounds import Job, Point, collect, fitted_exponent, ratio_at_equal_error, run_rounds
+from tools.bench.rounds import Job, Point, collect, ratio_at_equal_error, run_rounds
 from tools.bench.timed import tree, without_calls, without_guarded
 from tools.command import BadInput
+from tools.convergence import fitted_order
 from tools.runner import own_folder
 
 
@@ -52,8 +53,8 @@ def test_points_that_are_beaten_do_not_count():
 
 
 def test_exponents_are_fitted():
-    assert fitted_exponent([1, 10, 100], [2.0, 60, 1800]) == pytest.approx(math.log10(30))
-    assert math.isnan(fitted_exponent([5, 5], [1, 2]))
+    assert fitted_order([1, 10, 100], [2.0, 60, 1800]) == pytest.approx(math.log10(30))
+    assert math.isnan(fitted_order([5, 5], [1, 2]))
 
 
 def test_rounds_are_interleaved_and_what_is_long_or_fails_runs_once():

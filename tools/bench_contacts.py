@@ -28,7 +28,7 @@ import numpy as np  # noqa: E402
 from scipy import sparse  # noqa: E402
 
 from tools.command import BadInput, Parser, guarded  # noqa: E402
-from tools.contact_problems import constraints, packing, project, residual, scaled  # noqa: E402
+from tools.contact_problems import constraints, packing, piqp, project, residual, scaled  # noqa: E402
 from tools.tables import write_table  # noqa: E402
 
 PEERS = {"piqp": "0.6.4", "clarabel": "0.11.1", "scs": "3.3.1", "osqp": "1.1.3"}
@@ -51,18 +51,6 @@ def install(names):
         except ImportError:
             print(f"{name}: cannot be installed here, left out")
     return there
-
-
-def piqp(B, d, w, q0, eps, limit):
-    import piqp as package
-    solver = package.SparseSolver()
-    s = solver.settings
-    s.eps_abs = s.eps_duality_gap_abs = eps
-    s.eps_rel = s.eps_duality_gap_rel = 0.0
-    s.max_iter = 300
-    solver.setup(sparse.diags(w).tocsc(), -w * q0, None, None, (-B).tocsc(), None, d, None, None)
-    solver.solve()
-    return np.array(solver.result.z_u), solver.result.info.iter
 
 
 def clarabel(B, d, w, q0, eps, limit):
@@ -91,12 +79,15 @@ def osqp(B, d, w, q0, eps, limit):
     return -np.array(done.y), done.info.iter
 
 
+SOLVE = {"piqp": piqp, "clarabel": clarabel, "scs": scs, "osqp": osqp}
+
+
 def attempt(pipe, name, scene, rows, tol, eps, limit):
     """One solve in a process of its own: (CPU s, residual, steps, fault)."""
     B, d, w, q0 = scaled(rows, scene, DT)
     begin = time.process_time()
     try:
-        press, steps = globals()[name](B, d, w, q0, max(eps, 1e-15), limit)
+        press, steps = SOLVE[name](B, d, w, q0, max(eps, 1e-15), limit)
         cpu = time.process_time() - begin
         pipe.send((cpu, float(residual(rows, scene, DT, np.nan_to_num(press))), int(steps), ""))
     except Exception as problem:  # a package that gives up is a result

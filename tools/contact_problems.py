@@ -214,26 +214,19 @@ def project(scene, dt=0.01, tol=1e-10, solver="newton", repeat=1, options=None, 
     return Answer(velocity, contacts, figures, scene, dt, done.memory_mb)
 
 
-def isotonic(velocity, mass):
-    """Mass-weighted isotonic regression by pooling adjacent violators: the velocities with
-    which a row of touching disks leaves."""
-    pools = []
-    for u, m in zip(velocity, mass):
-        pools.append([u, m, 1])
-        while len(pools) > 1 and pools[-2][0] > pools[-1][0]:
-            b, a = pools.pop(), pools.pop()
-            pools.append([(a[0] * a[1] + b[0] * b[1]) / (a[1] + b[1]), a[1] + b[1], a[2] + b[2]])
-    return np.concatenate([np.full(n, u) for u, _, n in pools])
+def piqp(B, d, w, q0, eps, limit=None):
+    """(multipliers, iterations) of a problem in the form of `scaled` by the interior-point QP package piqp, which knows no limit of time."""
+    import piqp as package
+    solver = package.SparseSolver()
+    s = solver.settings
+    s.eps_abs = s.eps_duality_gap_abs = eps
+    s.eps_rel = s.eps_duality_gap_rel = 0.0
+    s.max_iter = 300
+    solver.setup(sparse.diags(w).tocsc(), -w * q0, None, None, (-B).tocsc(), None, d, None, None)
+    solver.solve()
+    return np.array(solver.result.z_u), solver.result.info.iter
 
 
 def qp_piqp(scene, rows, dt, eps=1e-11):
-    """Multipliers by the interior-point QP package piqp (free disks only)."""
-    import piqp
-    matrix, d, weight, q0 = scaled(rows, scene, dt)
-    solver = piqp.SparseSolver()
-    solver.settings.eps_abs = solver.settings.eps_duality_gap_abs = eps
-    solver.settings.eps_rel = solver.settings.eps_duality_gap_rel = 0.0
-    solver.settings.max_iter = 300
-    solver.setup(sparse.diags(weight).tocsc(), -weight * q0, None, None, (-matrix).tocsc(), None, d, None, None)
-    solver.solve()
-    return np.array(solver.result.z_u)
+    """Multipliers of a scene by piqp (free disks only)."""
+    return piqp(*scaled(rows, scene, dt), eps)[0]

@@ -4,7 +4,8 @@ import math
 import os
 from importlib import metadata
 
-from tools.bench.rounds import Sample, fitted_exponent, ratio_at_equal_error
+from tools.bench.rounds import Sample, ratio_at_equal_error
+from tools.convergence import fitted_order
 from tools.runner import commit, versions
 from tools.tables import write_table
 
@@ -120,9 +121,9 @@ def exponents(points):
         sizes = [p.unknowns for p in theirs if not p.note and p.unknowns > 0]
         if len(set(sizes)) > 1:
             good = [p for p in theirs if not p.note and p.unknowns > 0]
-            memory = fitted_exponent(sizes, [p.memory_mb for p in good])
+            memory = fitted_order(sizes, [p.memory_mb for p in good])
             more = f", memory as size^{memory:.2f}" if math.isfinite(memory) else ""
-            lines.append(f"- {name}: time as size^{fitted_exponent(sizes, [p.cost for p in good]):.2f}{more}")
+            lines.append(f"- {name}: time as size^{fitted_order(sizes, [p.cost for p in good]):.2f}{more}")
     return lines
 
 

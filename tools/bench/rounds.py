@@ -173,12 +173,3 @@ def ratio_at_equal_error(mine, other):
         return (ratio, math.exp(at), bound) if ratio > 1 else None
     ratio, at, bound = math.exp(b[0, 0] - a[-1, 0]), a[-1, 1], "<"
     return (ratio, math.exp(at), bound) if ratio < 1 else None
-
-
-def fitted_exponent(sizes, costs):
-    """The p of cost = c size^p by least squares in logarithms; nan with fewer than two sizes."""
-    pairs = [(n, c) for n, c in zip(sizes, costs) if n > 0 and c > 0 and math.isfinite(c)]
-    if len({n for n, _ in pairs}) < 2:
-        return math.nan
-    n, c = np.log(np.array(pairs)).T
-    return float(np.polyfit(n, c, 1)[0])

@@ -1,5 +1,7 @@
 """Checks of a mesh before it is written, and the report of its quality."""
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from tools.meshing.labels import NAMES
 from tools.meshing.plane_mesh import edges_of, signed_areas, smallest_angles
@@ -45,14 +47,9 @@ def faults(mesh, outline, tolerance=1e-9):
 
 def pieces_of(triangles, number):
     """How many pieces the triangles make that share no vertex."""
-    piece, before = np.arange(number), None
-    while before is None or np.any(piece != before):
-        before = piece.copy()
-        least = piece[triangles].min(axis=1)
-        for corner in triangles.T:
-            np.minimum.at(piece, piece[corner], least)
-        piece = piece[piece]
-    return len(np.unique(piece[np.unique(triangles)]))
+    graph = coo_matrix((np.ones(2 * len(triangles)), (triangles[:, [0, 1]].ravel(), triangles[:, [1, 2]].ravel())), shape=(number, number))
+    _, piece = connected_components(graph, directed=False)
+    return len(np.unique(piece[triangles]))
 
 
 def summary(mesh):
