@@ -164,3 +164,11 @@ def test_figures_of_what_has_not_run_yet(tmp_path):
             ["cavity", "this suite", 0, 5427, 1.0, 0.7, 7e-3, 0, 0, 0, ""]]
     assert bench_flow.draw(rows, ["cavity", "2d1"], tmp_path / "flow.png").stat().st_size > 5000
     assert draw([], [], tmp_path / "none.png") is None
+
+
+@pytest.mark.parametrize("tool", [bench, bench_flow])
+def test_a_limit_that_is_no_time_is_refused(tool):
+    for word in ("nan", "0", "soon"):
+        with pytest.raises(SystemExit) as caught:
+            tool.parser().parse_args(["--limit", word])
+        assert caught.value.code == 3

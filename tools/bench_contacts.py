@@ -27,7 +27,7 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAY
 import numpy as np  # noqa: E402
 from scipy import sparse  # noqa: E402
 
-from tools.command import BadInput, Parser, guarded  # noqa: E402
+from tools.command import BadInput, Parser, guarded, positive, whole  # noqa: E402
 from tools.contact_problems import constraints, packing, piqp, project, residual, scaled  # noqa: E402
 from tools.tables import write_table  # noqa: E402
 
@@ -208,11 +208,11 @@ def main(words=None):
     """Run the benchmark."""
     options = Parser(prog="python -m tools.bench_contacts", description=__doc__)
     options.add_argument("--quick", action="store_true", help="500 and 5,000 disks only")
-    options.add_argument("--numbers", type=int, nargs="+", metavar="N", help="numbers of disks (default 500 5000 20000 100000)")
+    options.add_argument("--numbers", type=whole(1), nargs="+", metavar="N", help="numbers of disks (default 500 5000 20000 100000)")
     options.add_argument("--kinds", nargs="+", default=["random"], choices=["random", "gravity"], help="packings")
     options.add_argument("--peers", nargs="*", default=list(PEERS), choices=list(PEERS), help="packages to compare with")
-    options.add_argument("--limit", type=float, default=120, help="most seconds of wall clock for a package and a residual (default 120)")
-    options.add_argument("--tolerances", type=float, nargs="+", default=[1e-8, 1e-10])
+    options.add_argument("--limit", type=positive, default=120, help="most seconds of wall clock for a package and a residual (default 120)")
+    options.add_argument("--tolerances", type=positive, nargs="+", default=[1e-8, 1e-10])
     options.add_argument("--out", metavar="DIR", default="results/bench_contacts", help="folder of CSV and figure")
     given = options.parse_args(words)
     numbers = given.numbers or ([500, 5000] if given.quick else [500, 5000, 20000, 100000])

@@ -24,7 +24,7 @@ from pathlib import Path
 
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from tools.command import ROOT, BadInput, Parser, guarded
+from tools.command import ROOT, BadInput, Parser, guarded, positive
 from tools.plotting import MARKERS, PAGE_WIDTH, curve, plt, save
 from tools.runner import commit, freefem, machine, own_folder, run_case, run_command
 from tools.run_folder import RunFolder
@@ -191,7 +191,7 @@ def parser():
     options.add_argument("--out", default=str(ROOT / "results" / "bench_flow"), metavar="DIR", help="where tables and figure go")
     options.add_argument("--problems", nargs="+", choices=list(PROBLEMS), default=list(PROBLEMS), help="default: all")
     options.add_argument("--levels", type=int, choices=(1, 2, 3), default=3, help="resolutions (default 3)")
-    options.add_argument("--limit", type=float, default=3600.0, metavar="S", help="most seconds of one run")
+    options.add_argument("--limit", type=positive, default=3600.0, metavar="S", help="most seconds of one run")
     options.add_argument("--install", action="store_true", help="install the other packages with pip first")
     return options
 
@@ -225,4 +225,4 @@ def main(words=None):
 
 
 if __name__ == "__main__":
-    sys.exit(guarded(main))
+    guarded(main)

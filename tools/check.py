@@ -22,7 +22,6 @@ In pytest:
     result = compare("results/mine", "tests/reference/mine.csv", ["y", "v:1e-3"])
     assert result, result
 """
-import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -332,4 +331,4 @@ def main(words=None):
 
 
 if __name__ == "__main__":
-    sys.exit(guarded(main))
+    guarded(main)

@@ -4,6 +4,7 @@ Exit statuses: 0 done, 1 a comparison failed, 3 bad input with one line on the
 error stream that says what, where and what to do, 128 + signal when stopped from outside.
 """
 import argparse
+import math
 import os
 import signal
 import sys
@@ -31,6 +32,48 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message):
         self.exit(BAD_INPUT, f"error: {message} ({self.prog} --help lists the options)\n")
+
+
+def number(text):
+    """An argument type: a finite number."""
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number") from None
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a finite number")
+    return value
+
+
+def positive(text):
+    """An argument type: a number above 0."""
+    value = number(text)
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"{text} must be positive")
+    return value
+
+
+def non_negative(text):
+    """An argument type: a number that is at least 0."""
+    value = number(text)
+    if value < 0:
+        raise argparse.ArgumentTypeError(f"{text} must not be negative")
+    return value
+
+
+def whole(least):
+    """An argument type: a whole number that is at least `least`."""
+
+    def read(text):
+        try:
+            value = int(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"'{text}' is not a whole number") from None
+        if not least <= value <= 1_000_000:
+            raise argparse.ArgumentTypeError(f"{text} must be between {least} and 1000000")
+        return value
+
+    return read
 
 
 def guarded(main):

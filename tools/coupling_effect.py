@@ -12,12 +12,11 @@ tools/transport_table.py. Single paths are sensitive to everything, so the share
 the standard deviation over the seeds.
 """
 import os
-import sys
 from pathlib import Path
 
 import numpy as np
 
-from tools.command import ROOT, BadInput, Parser, guarded
+from tools.command import ROOT, BadInput, Parser, guarded, whole
 from tools.plotting import CURVES, PAGE_WIDTH, plt, save
 from tools.run_folder import RunFolder
 from tools.tables import write_table
@@ -90,8 +89,8 @@ def plot(pairs, path):
 def parser():
     """The options."""
     options = Parser(prog="python -m tools.coupling_effect", description=__doc__)
-    options.add_argument("--seeds", type=int, default=5, metavar="N", help="number of seeds (default 5)")
-    options.add_argument("--jobs", type=int, default=1, metavar="N", help="runs at a time (default 1)")
+    options.add_argument("--seeds", type=whole(1), default=5, metavar="N", help="number of seeds (default 5)")
+    options.add_argument("--jobs", type=whole(1), default=1, metavar="N", help="runs at a time (default 1)")
     options.add_argument("--out", default=str(ROOT / "results" / "coupling_effect"), metavar="DIR", help="where runs and results go")
     return options
 
@@ -99,8 +98,6 @@ def parser():
 def main(words=None):
     """Write table and picture; 0."""
     given, rest = parser().parse_known_args(words)
-    if given.seeds < 1 or given.jobs < 1:
-        raise BadInput("--seeds and --jobs must be at least 1")
     if len(rest) % 2 or any(not name.startswith("-") for name in rest[::2]) or {"-coupling", "-seed"} & set(rest):
         raise BadInput(f"options of the case come in pairs, -name value, without -coupling and -seed; not {' '.join(rest)}")
     out, more = Path(given.out).resolve(), dict(zip(rest[::2], rest[1::2]))
@@ -125,4 +122,4 @@ def main(words=None):
 
 
 if __name__ == "__main__":
-    sys.exit(guarded(main))
+    guarded(main)

@@ -6,13 +6,12 @@ Writes fields.png, trajectories.png, series.png and film.mp4 (a gif where no mp4
 made) into DIR, by default the run folder itself, and prints where they are. What a run
 does not hold (no particles, no field files) is left out and said.
 """
-import sys
 from pathlib import Path
 
 import numpy as np
 from matplotlib.ticker import MaxNLocator, NullFormatter
 
-from tools.command import BadInput, Parser, guarded
+from tools.command import BadInput, Parser, guarded, whole
 from tools.plotting import (LINE_MAP, PAGE_WIDTH, ROUNDING, clip_to, curve, draw_outline, draw_speed, fitting, frame, panels, particle_artists,
                             plt, save, speed_of, speed_top, time_text)
 from tools.quantities import closed
@@ -220,15 +219,13 @@ def parser():
     options.add_argument("--only", nargs="+", choices=MADE, metavar="WHAT", help="some of: " + ", ".join(MADE))
     options.add_argument("--no-film", action="store_true", help="no film")
     options.add_argument("--gif", action="store_true", help="the film as a gif even where an mp4 can be made")
-    options.add_argument("--frames", type=int, default=300, metavar="N", help="most frames of the film (default 300)")
+    options.add_argument("--frames", type=whole(2), default=300, metavar="N", help="most frames of the film (default 300)")
     return options
 
 
 def main(words=None):
     """Make the pictures; 0 if one was made at least."""
     given = parser().parse_args(words)
-    if given.frames < 2:
-        raise BadInput("--frames must be at least 2")
     run = RunFolder(given.run)
     if run.has("zones"):
         raise BadInput(f"{given.run} is a steady flow; python -m tools.plot_steady draws it")
@@ -272,4 +269,4 @@ def main(words=None):
 
 
 if __name__ == "__main__":
-    sys.exit(guarded(main))
+    guarded(main)

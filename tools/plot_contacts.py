@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.colors import LogNorm
 
-from tools.command import BadInput, Parser, guarded
+from tools.command import BadInput, Parser, guarded, number, whole
 from tools.film import frame_rate, write_film
 from tools.plotting import BODY, BODY_EDGE, FIELD_MAP, PAGE_WIDTH, ROUNDING, curve, fit_ticks, plt, save, time_text
 from tools.run_folder import RunFolder
@@ -276,12 +276,10 @@ def main(words=None):
     options.add_argument("run", help="run folder, such as results/falling_particles/run_001")
     options.add_argument("--out", metavar="DIR", help="where the pictures go (default: the run folder)")
     options.add_argument("--only", nargs="+", choices=MADE, default=MADE, metavar="WHAT", help="some of: " + ", ".join(MADE))
-    options.add_argument("--times", nargs="+", type=float, metavar="T", help="times of the frames, s")
-    options.add_argument("--most", type=int, default=300, metavar="N", help="most frames of the film (default 300)")
+    options.add_argument("--times", nargs="+", type=number, metavar="T", help="times of the frames, s")
+    options.add_argument("--most", type=whole(2), default=300, metavar="N", help="most frames of the film (default 300)")
     options.add_argument("--gif", action="store_true", help="the film as a gif even where an mp4 can be made")
     given = options.parse_args(words)
-    if given.most < 2:
-        raise BadInput(f"--most {given.most}: a film has at least 2 frames")
     run = ContactRun(given.run)
     if not run.has("motion"):
         raise BadInput(f"{given.run} is no run of contacts alone (it has no motion.csv); python -m tools.plot draws the others")

@@ -5,7 +5,6 @@
 Writes transport.png (figure 7 of the paper: positions over the speed of the steady flow)
 and trajectories.png (the picture that tools.plot draws under this name) into DIR, by default the run folder.
 """
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -99,4 +98,4 @@ def main(words=None):
 
 
 if __name__ == "__main__":
-    sys.exit(guarded(main))
+    guarded(main)

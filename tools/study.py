@@ -39,7 +39,7 @@ from pathlib import Path
 import numpy as np
 
 from tools import quantities
-from tools.command import ROOT, BadInput, Parser, guarded
+from tools.command import ROOT, BadInput, Parser, guarded, number, positive, whole
 from tools.mesh_files import read_mesh
 from tools.run_folder import RunFolder
 from tools.runner import commit, cores, fingerprint, freefem, named_files, run_case, run_command, side_by_side
@@ -301,17 +301,6 @@ def write_study(study, records, references):
     write_table(study.out / "study.csv", COLUMNS, rows)
 
 
-def positive(text):
-    """A number above 0, for the parser."""
-    value = float(text)
-    if not (value > 0 and math.isfinite(value)):
-        raise ValueError
-    return value
-
-
-positive.__name__ = "number above 0"
-
-
 def parser():
     """The options."""
     options = Parser(prog="python -m tools.study", epilog="quantities (mean_v:0.2:0.5 gives numbers to the first arguments; -1 of a particle: that of the least id; nan of a time: as without):\n"
@@ -320,13 +309,13 @@ def parser():
     options.add_argument("--meshsize", nargs="+", type=positive, metavar="H", help="element sizes (default: the case's mesh)")
     options.add_argument("--dt", nargs="+", type=positive, metavar="DT", help="time steps, s (default: the case's)")
     options.add_argument("--quantity", nargs="+", required=True, metavar="NAME", help="what to measure, see below")
-    options.add_argument("--reference", nargs="+", type=float, metavar="VALUE", help="exact values, one per quantity")
+    options.add_argument("--reference", nargs="+", type=number, metavar="VALUE", help="exact values, one per quantity")
     options.add_argument("--quantities", nargs="+", default=[], metavar="FILE", help="Python files with quantities of your own")
     options.add_argument("--order", type=positive, default=2.0, help="formal order of the scheme (default 2)")
     options.add_argument("--out", metavar="DIR", help="where all goes (default results/study/CASE)")
-    options.add_argument("--jobs", type=int, default=cores(), metavar="N", help=f"runs at a time (default {cores()}: the cores)")
+    options.add_argument("--jobs", type=whole(1), default=cores(), metavar="N", help=f"runs at a time (default {cores()}: the cores)")
     options.add_argument("--timing", action="store_true", help="one run at a time, so that CPU times are measurements")
-    options.add_argument("--repeat", type=int, default=1, metavar="N", help="runs of each, the median time counts (default 1)")
+    options.add_argument("--repeat", type=whole(1), default=1, metavar="N", help="runs of each, the median time counts (default 1)")
     options.add_argument("--limit", type=positive, metavar="S", help="stop a run after so many seconds: a row with that reason")
     options.add_argument("--retry", action="store_true", help="run again what failed before")
     options.add_argument("--recipe", metavar="WORDS", help="recipe of tools.mesh, with options of its own in the same quotes (default: the case's name)")
@@ -350,12 +339,8 @@ def main(words=None, mesh_maker=make_mesh):
     given = parser().parse_args(words[:cut])
     if given.reference and len(given.reference) != len(given.quantity):
         raise BadInput(f"{len(given.reference)} references for {len(given.quantity)} quantities: give one each")
-    if given.reference and not all(map(math.isfinite, given.reference)):
-        raise BadInput("a reference must be a finite number")
     if given.out and not re.fullmatch(r"[A-Za-z0-9._/+=,@%-]+", given.out):
         raise BadInput(f"--out '{given.out}' holds signs other than letters, figures and . _ - / + = , @ %, which FreeFEM takes in no folder of a run")
-    if given.jobs < 1 or given.repeat < 1:
-        raise BadInput("--jobs and --repeat must be at least 1")
     for name, values in (("--meshsize", given.meshsize), ("--dt", given.dt), ("--quantity", given.quantity)):
         if values and len({name_of(value, None) if name != "--quantity" else value for value in values}) < len(values):
             raise BadInput(f"{name} names one value twice")
@@ -380,4 +365,4 @@ def main(words=None, mesh_maker=make_mesh):
 
 
 if __name__ == "__main__":
-    sys.exit(guarded(main))
+    guarded(main)

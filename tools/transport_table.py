@@ -18,12 +18,11 @@ another pipe are refused, other diameters are a row of their own. Runs that did 
 differ in more than -seed and what is written where.
 """
 import os
-import sys
 from pathlib import Path
 
 import numpy as np
 
-from tools.command import ROOT, BadInput, Parser, guarded
+from tools.command import ROOT, BadInput, Parser, guarded, whole
 from tools.plotting import PAGE_WIDTH, CURVES, plt, save
 from tools.run_folder import RunFolder
 from tools.runner import fingerprint, run_case, side_by_side
@@ -158,8 +157,8 @@ def compute(seeds, out, options, jobs):
 def parser():
     """The options."""
     options = Parser(prog="python -m tools.transport_table", description=__doc__)
-    options.add_argument("--seeds", type=int, default=20, metavar="N", help="number of seeds (default 20)")
-    options.add_argument("--jobs", type=int, default=1, metavar="N", help="runs at a time (default 1)")
+    options.add_argument("--seeds", type=whole(1), default=20, metavar="N", help="number of seeds (default 20)")
+    options.add_argument("--jobs", type=whole(1), default=1, metavar="N", help="runs at a time (default 1)")
     options.add_argument("--out", default=str(ROOT / "results" / "transport_table"), metavar="DIR", help="where the runs and the table go")
     options.add_argument("--runs", nargs="+", metavar="RUN", help="run folders to judge instead of running")
     return options
@@ -168,8 +167,6 @@ def parser():
 def main(words=None):
     """Write the table; 0."""
     given, rest = parser().parse_known_args(words)
-    if given.seeds < 1 or given.jobs < 1:
-        raise BadInput("--seeds and --jobs must be at least 1")
     if len(rest) % 2 or any(not name.startswith("-") for name in rest[::2]) or "-seed" in rest[::2]:
         raise BadInput(f"options of the case come in pairs, -name value, without -seed (--seeds N runs 1 to N); not {' '.join(rest)}")
     places = [Path(run).resolve() for run in given.runs or ()]
@@ -192,4 +189,4 @@ def main(words=None):
 
 
 if __name__ == "__main__":
-    sys.exit(guarded(main))
+    guarded(main)

@@ -12,10 +12,9 @@ row with its reason. The report is whole after each row, also if the rest is sto
 Status 0: all pass; 1: something does not; 3: bad input.
 """
 import inspect
-import sys
 from pathlib import Path
 
-from tools.command import ROOT, BadInput, Parser, guarded
+from tools.command import ROOT, BadInput, Parser, guarded, positive
 from tools.report import heading, write_report
 from tools.runner import freefem
 from tools.validation import Context, discover
@@ -73,15 +72,13 @@ def parser():
     options.add_argument("--case", action="append", default=[], metavar="NAME", help="a comparison by name")
     options.add_argument("--list", action="store_true", help="list the comparisons")
     options.add_argument("--out", default=str(ROOT / "results" / "validation"), metavar="DIR", help="where the report goes")
-    options.add_argument("--limit", type=float, default=3600.0, metavar="S", help="most seconds of one run (default 3600)")
+    options.add_argument("--limit", type=positive, default=3600.0, metavar="S", help="most seconds of one run (default 3600)")
     return options
 
 
 def main(words=None, found=None):
     """0 if all pass, 1 if not."""
     given = parser().parse_args(words)
-    if not given.limit > 0:
-        raise BadInput("--limit must be above 0")
     found = discover() if found is None else found
     pairs = chosen(found, given.names + given.case)
     if given.list:
@@ -94,4 +91,4 @@ def main(words=None, found=None):
 
 
 if __name__ == "__main__":
-    sys.exit(guarded(main))
+    guarded(main)

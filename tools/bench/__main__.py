@@ -29,7 +29,7 @@ from tools.bench.rounds import collect, earlier, run_rounds
 from tools.bench.scaling import scaling_jobs
 from tools.bench.scenes import OURS, PUBLISHED, contact_jobs, flow_jobs, particle_jobs, suspension_jobs
 from tools.bench.transport import transport_jobs
-from tools.command import ROOT, Parser, guarded
+from tools.command import ROOT, Parser, guarded, positive, whole
 from tools.runner import freefem, machine, own_folder
 
 PARTS = ("flow", "particles", "contacts", "transport", "scaling", "skip")
@@ -95,8 +95,8 @@ def parser():
     options.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS), help="default: all")
     options.add_argument("--keep", action="store_true", help="take the runs of the other parts from the bench.csv of DIR (what is skipped is not in it)")
     options.add_argument("--out", default=str(ROOT / "results" / "bench"), metavar="DIR", help="where page, figure and table go (default results/bench)")
-    options.add_argument("--repeats", type=int, default=3, metavar="N", help="most runs of each (default 3; a long one runs once)")
-    options.add_argument("--limit", type=float, default=900, metavar="S", help="most seconds of one run (default 900)")
+    options.add_argument("--repeats", type=whole(1), default=3, metavar="N", help="most runs of each (default 3; a long one runs once)")
+    options.add_argument("--limit", type=positive, default=900, metavar="S", help="most seconds of one run (default 900)")
     options.add_argument("--no-install", action="store_true", help="do not install packages that are missing")
     return options
 
@@ -142,4 +142,4 @@ def main(words=None):
 
 
 if __name__ == "__main__":
-    sys.exit(guarded(main))
+    guarded(main)

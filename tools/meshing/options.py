@@ -1,49 +1,7 @@
-"""Option types that recipes share, and the refusals they have in common."""
-import argparse
-import math
-
-from tools.command import BadInput
+"""Options that recipes share, and the refusals they have in common."""
+from tools.command import BadInput, positive
 from tools.meshing.structured import PATTERNS, even, gridded
 from tools.meshing.unstructured import triangulated
-
-
-def number(text):
-    try:
-        value = float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a number") from None
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"'{text}' is not a finite number")
-    return value
-
-
-def positive(text):
-    value = number(text)
-    if value <= 0:
-        raise argparse.ArgumentTypeError(f"{text} must be positive")
-    return value
-
-
-def non_negative(text):
-    value = number(text)
-    if value < 0:
-        raise argparse.ArgumentTypeError(f"{text} must not be negative")
-    return value
-
-
-def whole(least):
-    """An argument type: a whole number that is at least `least`."""
-
-    def read(text):
-        try:
-            value = int(text)
-        except ValueError:
-            raise argparse.ArgumentTypeError(f"'{text}' is not a whole number") from None
-        if not least <= value <= 1_000_000:
-            raise argparse.ArgumentTypeError(f"{text} must be between {least} and 1000000")
-        return value
-
-    return read
 
 
 def add_size(parser, size, unit, about="element size"):

@@ -20,9 +20,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tools.command import BadInput
+from tools.command import BadInput, positive
 from tools.meshing.labels import LABELS
-from tools.meshing.options import positive
 from tools.meshing.plane_mesh import finished
 from tools.meshing.unstructured import extracted, with_gmsh
 

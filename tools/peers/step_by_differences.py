@@ -13,7 +13,7 @@ import scipy.sparse as sp
 from scipy.interpolate import RegularGridInterpolator
 from scipy.sparse.linalg import splu
 
-from tools.command import BadInput, Parser, guarded
+from tools.command import BadInput, Parser, guarded, whole
 
 INLET, OUTLET, EVEN = 20.0, 60.0, 26.0  # lengths before and behind the step, and that of the even grid, heights
 CONTINUED = (100, 200, 300, 400, 500, 600, 700, 800)
@@ -123,10 +123,10 @@ class Grid:
 
 def main():
     parser = Parser(prog="python -m tools.peers.step_by_differences", description=__doc__)
-    parser.add_argument("cells", metavar="CELLS", type=int, nargs="*", default=[20, 30, 45], help="cells in a step height, at least 15 (default 20 30 45)")
+    parser.add_argument("cells", metavar="CELLS", type=whole(15), nargs="*", default=[20, 30, 45], help="cells in a step height, at least 15 (default 20 30 45)")
     cells = sorted(parser.parse_args().cells)
-    if cells[0] < 15 or len(set(cells)) < len(cells):
-        raise BadInput("CELLS are different whole numbers, at least 15 in a step height")
+    if len(set(cells)) < len(cells):
+        raise BadInput("CELLS are different numbers")
     print("cells," + ",".join(NAMES))
     rows, last = [], None
     for count in cells:

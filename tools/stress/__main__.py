@@ -16,11 +16,10 @@ remedy). Status 0: nothing blew up or overlapped unnoticed and the defaults lie 
 1: something did; 3: bad input.
 """
 import datetime
-import sys
 import time
 from pathlib import Path
 
-from tools.command import ROOT, BadInput, Parser, guarded
+from tools.command import ROOT, BadInput, Parser, guarded, positive, whole
 from tools.runner import commit, freefem
 from tools.stress import maps_contacts, maps_flow, maps_long, maps_particles
 from tools.stress.figure import draw_all, draw_map
@@ -37,8 +36,8 @@ def parser():
     options.add_argument("--quick", action="store_true", help="a few cells of each map (about 5 minutes)")
     options.add_argument("--list", action="store_true", help="list the maps and their axes")
     options.add_argument("--out", metavar="DIR", help="where all goes")
-    options.add_argument("--jobs", type=int, default=1, metavar="N", help="runs at a time (default 1)")
-    options.add_argument("--limit", type=float, default=60.0, metavar="S", help="CPU time of a cell, s (default 60; reference runs get four times that)")
+    options.add_argument("--jobs", type=whole(1), default=1, metavar="N", help="runs at a time (default 1)")
+    options.add_argument("--limit", type=positive, default=60.0, metavar="S", help="CPU time of a cell, s (default 60; reference runs get four times that)")
     return options
 
 
@@ -53,8 +52,6 @@ def chosen(names):
 def main(words=None, say=lambda line: print(line, flush=True)):
     """0 if nothing failed and the defaults lie inside, else 1."""
     given = parser().parse_args(words)
-    if given.jobs < 1 or not given.limit > 0:
-        raise BadInput("--jobs must be at least 1 and --limit above 0")
     maps = chosen(given.names)
     if given.list:
         for one in maps:
@@ -87,4 +84,4 @@ def main(words=None, say=lambda line: print(line, flush=True)):
 
 
 if __name__ == "__main__":
-    sys.exit(guarded(main))
+    guarded(main)
