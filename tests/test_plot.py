@@ -503,7 +503,7 @@ def test_title_and_colour_bar_of_a_film_keep_apart_and_in_the_picture(run, exten
     made = []
     monkeypatch.setattr(film, "panels", lambda *given, **more: made.append(panels(*given, **more)) or made[0])
     run.__dict__["extent"] = extent
-    next(film.pictures(run, plot.frames_of(run)))
+    next(film.pictures(run, run.frames))
     figure, _, bar = made[0]
     heading = next(text for text in [*figure.texts, figure.axes[0].title] if text.get_text()).get_window_extent()
     words = bar.yaxis.label.get_window_extent()

@@ -16,13 +16,20 @@ from tools.plotting import (draw_outline, draw_speed, fitting, frame, panels, pa
 DPI, LOWEST = 160, 2.6  # inches: height of a film at least, for the words at its colour bar
 
 
+def thinned(run, frames, most):
+    """The frames of a film, at most so many of those that the run has."""
+    if len(frames) < 2:
+        raise BadInput(f"the run {run.folder} has only one time to show: no film")
+    return [frames[k] for k in np.unique(np.linspace(0, len(frames) - 1, min(most, len(frames))).astype(int))]
+
+
 def frame_rate(number):
     """Frames per second, so that a film of few frames lasts and one of many flows."""
     return int(np.clip(number / 12, 4, 25))
 
 
 def pictures(run, frames):
-    """The frames one by one as (height, width, 3) arrays of bytes, even in both sizes."""
+    """The frames one by one, each a shot()."""
     length, second = run.units["length"], run.units["time"]
     numbers = [k for _, k in frames]
     with_velocity = all(k is not None for k in numbers)
@@ -55,10 +62,15 @@ def pictures(run, frames):
             bar = None
         bodies = particle_artists(axes, run.particles_at(t), clip=run.clip) if run.has("particles") else []
         heading.set_text(fitting([f"{run.title}, {time_text(t, second)}", time_text(t, second)], inches[0]))
-        figure.canvas.draw()
-        picture = np.asarray(figure.canvas.buffer_rgba())[:, :, :3]
-        yield np.ascontiguousarray(picture[:picture.shape[0] // 2 * 2, :picture.shape[1] // 2 * 2])
+        yield shot(figure)
     plt.close(figure)
+
+
+def shot(figure):
+    """A figure as a (height, width, 3) array of bytes, even in both sizes."""
+    figure.canvas.draw()
+    picture = np.asarray(figure.canvas.buffer_rgba())[:, :, :3]
+    return np.ascontiguousarray(picture[:picture.shape[0] // 2 * 2, :picture.shape[1] // 2 * 2])
 
 
 def write_mp4(path, shots, rate):
@@ -97,7 +109,7 @@ def mp4_possible():
 
 
 def write_film(out, shots, rate, gif=False):
-    """The pictures as film.mp4, or film.gif where asked for or no mp4 can be made, in the folder `out`; returns its path."""
+    """The shots as film.mp4, or film.gif where asked for or no mp4 can be made, in the folder `out`; returns its path."""
     as_gif = gif or not mp4_possible()
     path = Path(out) / ("film.gif" if as_gif else "film.mp4")
     part = path.with_name("film_part" + path.suffix)  # a film cut short never bears the final name
@@ -111,14 +123,8 @@ def write_film(out, shots, rate, gif=False):
 
 def make_film(run, out, most=300, gif=False):
     """Write film.mp4 or film.gif into the folder `out`; returns its path."""
-    from tools.plot import frames_of
-    frames = frames_of(run)
-    if len(frames) < 2:
-        raise BadInput(f"the run {run.folder} has only {len(frames)} times to show: no film")
-    if len(frames) > most:
-        frames = [frames[k] for k in np.unique(np.linspace(0, len(frames) - 1, most).astype(int))]
-    rate = frame_rate(len(frames))
-    return write_film(out, pictures(run, frames), rate, gif)
+    frames = thinned(run, run.frames, most)
+    return write_film(out, pictures(run, frames), frame_rate(len(frames)), gif)
 
 
 if __name__ == "__main__":

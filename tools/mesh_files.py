@@ -14,8 +14,7 @@ import numpy as np
 
 from tools.command import BadInput
 
-LABELS = {1: "inlet", 2: "outlet", 3: "wall", 4: "diaphragm", 5: "obstacle", 6: "cylinder", 7: "lid", 8: "axis",
-          11: "left", 12: "right", 13: "bottom", 14: "top"}
+# Numbers of tools/meshing/labels.py.
 OPEN = (1, 2)  # labels through which fluid passes
 AXIS = 8  # label of an axis or a plane of symmetry
 SOLID = (4, 5, 6)  # labels of bodies that stand in the flow

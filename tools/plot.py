@@ -12,22 +12,13 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from tools.command import BadInput, Parser, guarded, whole
+from tools.film import make_film
 from tools.plotting import (LINE_MAP, PAGE_WIDTH, ROUNDING, clip_to, curve, draw_outline, draw_speed, fitting, frame, panels, particle_artists,
                             plt, save, speed_of, speed_top, time_text)
 from tools.quantities import closed
 from tools.run_folder import RunFolder
 
 MADE = ("fields", "trajectories", "series", "film")
-
-
-def frames_of(run):
-    """[(t, number of the field file or None)]: the times that can be drawn. Without field
-    files these are the output times of the particles."""
-    if run.fields:
-        return [(t, k) for k, (t, _) in enumerate(run.fields)]
-    if run.has("particles"):
-        return [(float(t), None) for t in np.unique(run.particles["t"])]
-    return []
 
 
 def spread(frames, number=6):
@@ -47,7 +38,7 @@ def spread(frames, number=6):
 
 def plot_fields(run, path, number=6):
     """Velocity magnitude with the particles at six times, one colour bar."""
-    chosen = spread(frames_of(run), number)
+    chosen = spread(run.frames, number)
     if not chosen:
         raise BadInput(f"the run {run.folder} has neither fields nor particles to draw")
     length, second = run.units["length"], run.units["time"]
@@ -233,14 +224,11 @@ def main(words=None):
         raise BadInput(f"{given.run} is a run of contacts alone; python -m tools.plot_contacts draws it")
     run.warn_unfinished()
     out = Path(given.out or given.run)
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise BadInput(f"cannot make the folder {out}: {problem}") from None
+    out.mkdir(parents=True, exist_ok=True)
     wanted = [name for name in (given.only or MADE) if not (name == "film" and given.no_film)]
     made = 0
     for name in wanted:
-        if name in ("fields", "film") and not frames_of(run):
+        if name in ("fields", "film") and not run.frames:
             reason = "no field files and no particles (fields are written when asked for)"
         elif name == "trajectories" and not (run.has("particles") and len(run.particles["t"])):
             reason = "no rows in particles.csv"
@@ -248,7 +236,7 @@ def main(words=None):
             reason = "a transport run has no fluid.csv (python -m tools.plot_transport draws the particles over the flow)"
         elif name == "series" and not (run.has("fluid") and len(run.fluid["t"]) and series(run)):
             reason = "no rows in fluid.csv"
-        elif name == "film" and len(frames_of(run)) < 2:
+        elif name == "film" and len(run.frames) < 2:
             reason = "only one time to show"
         else:
             reason = None
@@ -256,7 +244,6 @@ def main(words=None):
             print(f"{name}: left out, {reason}")
             continue
         if name == "film":
-            from tools.film import make_film
             path = make_film(run, out, most=given.frames, gif=given.gif)
         else:
             draw = {"fields": plot_fields, "trajectories": plot_trajectories, "series": plot_series}[name]

@@ -15,7 +15,7 @@ from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.colors import LogNorm
 
 from tools.command import BadInput, Parser, guarded, number, whole
-from tools.film import frame_rate, write_film
+from tools.film import frame_rate, shot, thinned, write_film
 from tools.plotting import BODY, BODY_EDGE, FIELD_MAP, PAGE_WIDTH, ROUNDING, curve, fit_ticks, plt, save, time_text
 from tools.run_folder import RunFolder
 
@@ -232,7 +232,7 @@ def plot_energy(run, path):
 
 
 def shots(run, places):
-    """The frames of the film as arrays of bytes."""
+    """The frames of the film one by one."""
     x0, x1, y0, y1 = run.view
     scale = min(6.0 / (x1 - x0), 6.4 / (y1 - y0))
     size = max((x1 - x0) * scale + 1.7, 3.2), (y1 - y0) * scale + 1.0
@@ -254,19 +254,13 @@ def shots(run, places):
             disks.set_array(np.clip(frame["speed"], *run.speeds))
         next(part for part in axes.collections if part.get_label() == "walls").set_segments(run.walls_at(run.times[k]))
         axes.set_title(f"{run.title}: {time_text(run.times[k], run.units['time'], run.times[-1])}", pad=4)
-        figure.canvas.draw()
-        picture = np.asarray(figure.canvas.buffer_rgba())[:, :, :3]
-        yield np.ascontiguousarray(picture[:picture.shape[0] // 2 * 2, :picture.shape[1] // 2 * 2])
+        yield shot(figure)
     plt.close(figure)
 
 
 def make_film(run, out, most=300, gif=False):
     """film.mp4 or film.gif in the folder; the path."""
-    places = list(range(len(run.times)))
-    if len(places) < 2:
-        raise BadInput(f"the run {run.folder} has one time only: no film")
-    if len(places) > most:
-        places = list(np.unique(np.linspace(0, len(places) - 1, most).astype(int)))
+    places = thinned(run, range(len(run.times)), most)
     return write_film(out, shots(run, places), frame_rate(len(places)), gif)
 
 

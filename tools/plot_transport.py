@@ -88,10 +88,7 @@ def main(words=None):
             if not 0 <= t <= end * (1 + 1e-9):
                 raise BadInput(f"--times: {t:g} is not between 0 and {end:g} s, the end of the run")
     out = Path(given.out or given.run)
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise BadInput(f"cannot make the folder {out}: {problem}") from None
+    out.mkdir(parents=True, exist_ok=True)
     print(plot_transport(run, out / "transport.png", times))
     print(plot_trajectories(run, out / "trajectories.png"))
     return 0

@@ -22,7 +22,7 @@ LINE_MAP = matplotlib.colors.LinearSegmentedColormap.from_list(
 CURVES = [("#0072b2", "-"), ("#d55e00", "--"), ("#009e73", "-."), ("#000000", ":"),
           ("#cc79a7", (0, (5, 1, 1, 1, 1, 1))), ("#e69f00", (0, (7, 2)))]
 MARKERS = "os^Dvp"
-BODY, BODY_EDGE, SOLID_FILL = "#e8e8e8", "#1a1a1a", "#9a9a9a"
+BODY, BODY_EDGE = "#e8e8e8", "#1a1a1a"
 ROUNDING = 1e-10  # of the radius: smaller overlaps are not drawn
 PAGE_WIDTH = 7.2  # inches: fits a printed page
 DIGIT, OVERHANG = 0.073, 0.07  # inches: width of a digit of a tick's label; what of a label may stand out beside a panel

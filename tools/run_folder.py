@@ -231,6 +231,14 @@ class RunFolder:
         times = dict(zip(self.fluid["step"].astype(int), self.fluid["t"]))
         return [(float(times[step]), files[step]) for step in sorted(files) if step in times]
 
+    @cached_property
+    def frames(self):
+        """[(t, number of the field file or None)]: the times that can be drawn. Without field
+        files these are the output times of the particles."""
+        if self.fields or not self.has("particles"):
+            return [(t, k) for k, (t, _) in enumerate(self.fields)]
+        return [(float(t), None) for t in np.unique(self.particles["t"])]
+
     def field(self, k):
         """The k-th field file as (mesh, {"velocity": (n, 2), "pressure": (n,)})."""
         return read_field(self.fields[k][1])

@@ -247,12 +247,9 @@ def versions():
 def own_folder(folder, tool, names):
     """Makes the folder of a tool, and empties its subfolders of these names. Raises BadInput for one that holds files, but none of the tool's."""
     mark = folder / f".{tool}"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        if any(folder.iterdir()) and not mark.is_file() and not (folder / f"{tool}.csv").is_file():
-            raise BadInput(f"the folder {folder} holds other things than those of tools.{tool}, which removes {', '.join(names)} in it: --out takes a folder of its own")
-        mark.write_text("")
-    except OSError as problem:
-        raise BadInput(f"cannot make the folder {folder}: {problem}") from None
+    folder.mkdir(parents=True, exist_ok=True)
+    if any(folder.iterdir()) and not mark.is_file() and not (folder / f"{tool}.csv").is_file():
+        raise BadInput(f"the folder {folder} holds other things than those of tools.{tool}, which removes {', '.join(names)} in it: --out takes a folder of its own")
+    mark.write_text("")
     for name in names:
         shutil.rmtree(folder / name, ignore_errors=True)

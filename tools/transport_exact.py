@@ -114,8 +114,8 @@ def flow_at(name, x, y, t, speed=1.0, rate=1.0):
 
 def path(flow, start, end, radius, density, rho=1000.0, mu=0.001, g=9.81, law="constant", buoyancy=1, added=0.5,
          fluid=0, lift=0.5, magnus=0, speed=1.0, rate=1.0, rtol=1e-11):
-    """(x, y, U, V, Omega) at the time `end` (s) of a sphere that starts as `start`, by an
-    eighth-order method: every force but history and turbulence, each from its own formula."""
+    """(x, y, U, V, Omega) at the time `end` (s) of a sphere that starts as `start`, by an eighth-order method
+    (a stiff one where its drag is): every force but history and turbulence, each from its own formula."""
     volume = 4 / 3 * np.pi * radius**3
     m_p, m_f = volume * density, volume * rho
 
@@ -140,13 +140,12 @@ def path(flow, start, end, radius, density, rho=1000.0, mu=0.001, g=9.81, law="c
         turn = 8 * np.pi * mu * radius**3 * (omega / 2 - Omega) / (0.4 * m_p * radius**2) if magnus else 0.0
         mass = m_p + added * m_f
         return [U, V, fx / mass, fy / mass, turn]
-    found = solve_ivp(change, (0, end), start, method="DOP853" if law is None or rtol > 1e-9 else "Radau" if stiff(radius, density, rho, mu, end) else "DOP853",
-                      rtol=rtol, atol=1e-13)
+    found = solve_ivp(change, (0, end), start, method="Radau" if law and rtol <= 1e-9 and stiff(radius, density, rho, mu, end) else "DOP853", rtol=rtol, atol=1e-13)
     return found.y[:, -1]
 
 
 def stiff(radius, density, rho, mu, end):
-    """1 if the response time is far below the time of the run."""
+    """Whether the response time is far below the time of the run."""
     return 2 / 9 * radius**2 * (density + 0.5 * rho) / mu < 1e-3 * end
 
 

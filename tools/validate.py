@@ -48,10 +48,7 @@ def rows_of(case, function, out, limit, say):
 def validate(pairs, out, limit=None, say=print):
     """Run comparisons [(case, function)] and write the report; returns the rows."""
     out = Path(out).resolve()
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise BadInput(f"cannot make the folder {out}: {problem}") from None
+    out.mkdir(parents=True, exist_ok=True)
     head, rows = heading(), []
     write_report(rows, head, out, whole=False)
     for case, function in pairs:

@@ -60,10 +60,7 @@ def main(words=None, say=lambda line: print(line, flush=True)):
         return 0
     freefem()
     out = Path(given.out or ROOT / "results" / ("stress_quick" if given.quick else "stress")).resolve()
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise BadInput(f"cannot make the folder {out}: {problem}") from None
+    out.mkdir(parents=True, exist_ok=True)
     progress, done = Progress(sum(sum(map(len, one.pairs(given.quick))) for one in maps), say), []
     for one in maps:
         grid, rows = run_map(one, out, given.quick, given.jobs, given.limit, say, progress)
