@@ -540,3 +540,25 @@ def test_more_times_than_fit_on_a_page_are_refused(tmp_path):
     write_csv(folder / "steps.csv", ["step", "t"], [[k, 0.05 * k] for k in range(21)])
     with pytest.raises(BadInput, match="200 times are more than fit on a page"):
         plot_transport.main([str(folder), "--times", ",".join(f"{0.005 * k:g}" for k in range(200))])
+
+
+def test_carried_particles_without_a_mesh_have_their_walls_their_units_and_no_spokes(tmp_path, monkeypatch):
+    """No mesh: the walls are those of walls.csv; spheres that do not turn have no line at an angle of 0; times have the unit of the case."""
+    (tmp_path / "run.json").write_text(json.dumps({"case": "drops", "status": "finished", "units": {"-length": "mm", "-delay": "ms"}, "parameters": {}}))
+    write_csv(tmp_path / "particles.csv", "step t id x y theta u v omega radius".split(), [[k, 10.0 * k, 0, 2.0 + k, 1.0, 0, 0.1, 0, 0, 0.5] for k in range(4)])
+    write_csv(tmp_path / "steps.csv", ["step", "t"], [[k, 10.0 * k] for k in range(4)])
+    write_csv(tmp_path / "walls.csv", ["x1", "y1", "x2", "y2"], [[0, 0.5, 9, 0.5]])
+    figures = []
+    for module in (plot, plot_transport):
+        monkeypatch.setattr(module, "save", lambda figure, path: figures.append(figure) or path)
+    assert plot.main([str(tmp_path), "--only", "fields", "trajectories"]) == 0
+    assert plot_transport.main([str(tmp_path), "--times", "10,30"]) == 0
+    assert len(figures) == 4
+    for figure in figures:
+        for axes in figure.axes:
+            lines = [part.get_segments() for part in axes.collections if hasattr(part, "get_segments")]
+            assert len(lines) == 1 and len(lines[0]) == 1
+            np.testing.assert_array_equal(lines[0][0], [[0, 0.5], [9, 0.5]])
+    assert [axes.get_title() for axes in figures[2].axes] == ["t = 10.0 ms: 1 inside", "t = 30.0 ms: 1 inside"]
+    for figure in figures:
+        plt.close(figure)

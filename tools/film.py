@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from tools.command import BadInput
-from tools.plotting import (draw_outline, draw_speed, fitting, frame, panels, particle_artists, plt,
+from tools.plotting import (draw_boundary, draw_speed, fitting, frame, panels, particle_artists, plt,
                             speed_of, speed_top, time_text)
 
 DPI, LOWEST = 160, 2.6  # inches: height of a film at least, for the words at its colour bar
@@ -39,7 +39,7 @@ def pictures(run, frames):
         top, extend = speed_top([speed_of(run.field(numbers[k])[1]) for k in sample])
     figure, (axes,), bar = panels(1, run.extent, height=6.4, lowest=LOWEST)
     figure.set_dpi(DPI)
-    draw_outline(axes, run.mesh, run.open)
+    draw_boundary(axes, run)
     frame(axes, run.extent, length)
     inches = figure.get_size_inches()
     heading = figure.text(0.5, axes.get_position().y1 + 0.06 / inches[1], "", ha="center", va="bottom")
@@ -60,7 +60,7 @@ def pictures(run, frames):
         elif bar is not None:
             bar.remove()
             bar = None
-        bodies = particle_artists(axes, run.particles_at(t), clip=run.clip) if run.has("particles") else []
+        bodies = particle_artists(axes, run.particles_at(t), clip=run.clip, spokes=run.turns) if run.has("particles") else []
         heading.set_text(fitting([f"{run.title}, {time_text(t, second)}", time_text(t, second)], inches[0]))
         yield shot(figure)
     plt.close(figure)

@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from tools.command import BadInput, Parser, guarded, whole
 from tools.film import make_film
-from tools.plotting import (LINE_MAP, PAGE_WIDTH, ROUNDING, clip_to, curve, draw_outline, draw_speed, fitting, frame, panels, particle_artists,
+from tools.plotting import (LINE_MAP, PAGE_WIDTH, ROUNDING, clip_to, curve, draw_boundary, draw_speed, fitting, frame, headline, panels, particle_artists,
                             plt, save, speed_of, speed_top, time_text)
 from tools.quantities import closed
 from tools.run_folder import RunFolder
@@ -50,9 +50,9 @@ def plot_fields(run, path, number=6):
     for one, (t, _), field in zip(axes, chosen, fields):
         if with_velocity:
             drawn = draw_speed(one, field[0], speed_of(field[1]), top)
-        draw_outline(one, run.mesh, run.open)
+        draw_boundary(one, run)
         if run.has("particles"):
-            particle_artists(one, run.particles_at(t), clip=run.clip)
+            particle_artists(one, run.particles_at(t), clip=run.clip, spokes=run.turns)
         frame(one, run.extent, length)
         when = time_text(t, second, chosen[-1][0])
         one.set_title(fitting([when, when[4:], when.split()[2], f"{t:.2g}"], one.room - 0.1), pad=3)
@@ -60,10 +60,9 @@ def plot_fields(run, path, number=6):
         figure.colorbar(drawn, cax=bar, extend=extend).set_label(f"velocity magnitude ({length}/{second})")
     else:
         bar.remove()
-    inches = figure.get_size_inches()
     what = "velocity and particles" if with_velocity and run.has("particles") else \
         "velocity" if with_velocity else "particles"
-    figure.text(0.5, 1 - 0.1 / inches[1], title(run, what, inches[0]), ha="center", va="top", fontsize=10)
+    headline(figure, title(run, what, figure.get_figwidth()))
     return save(figure, path)
 
 
@@ -109,20 +108,19 @@ def plot_trajectories(run, path):
     ends = np.array(ends, dtype=float).reshape(-1, 6)
     ends[:, 0] = np.arange(len(ends))
     ends = run.images(ends)
-    for artist in particle_artists(axes, ends.T, zorder=5, clip=run.clip)[:1]:
+    for artist in particle_artists(axes, ends.T, zorder=5, clip=run.clip, spokes=run.turns)[:1]:
         artist.set_facecolor([colours[int(k)] for k in ends[:, 0]])
         artist.set_alpha(0.75)
-    draw_outline(axes, run.mesh, run.open)
+    draw_boundary(axes, run)
     frame(axes, run.extent, length)
     if several:
         figure.colorbar(plt.cm.ScalarMappable(scale, LINE_MAP), cax=bar).set_label(f"{size} ({length})")
     else:
         bar.remove()
-    inches = figure.get_size_inches()
     number = f"{len(tracks)} particles" if len(tracks) > 1 else "one particle"
     if not several:
         number += f", {size} {low:.4g} {length}"
-    figure.text(0.5, 1 - 0.1 / inches[1], title(run, ("path of " if len(tracks) == 1 else "paths of ") + number, inches[0]), ha="center", va="top", fontsize=10)
+    headline(figure, title(run, ("path of " if len(tracks) == 1 else "paths of ") + number, figure.get_figwidth()))
     return save(figure, path)
 
 

@@ -27,14 +27,6 @@ class ContactRun(RunFolder):
     """A run folder with its frames: frame(k) is a dict of columns at times[k]."""
 
     @cached_property
-    def walls(self):
-        """Segments (S, 2, 2)."""
-        if not self.has("walls"):
-            return np.zeros((0, 2, 2))
-        table = self.columns("walls")
-        return np.column_stack([table[c] for c in ("x1", "y1", "x2", "y2")]).reshape(-1, 2, 2)
-
-    @cached_property
     def _moves(self):
         return self.columns("wallmoves") if self.has("wallmoves") else None
 
@@ -270,7 +262,7 @@ def main(words=None):
     options.add_argument("run", help="run folder, such as results/falling_particles/run_001")
     options.add_argument("--out", metavar="DIR", help="where the pictures go (default: the run folder)")
     options.add_argument("--only", nargs="+", choices=MADE, default=MADE, metavar="WHAT", help="some of: " + ", ".join(MADE))
-    options.add_argument("--times", nargs="+", type=number, metavar="T", help="times of the frames, s")
+    options.add_argument("--times", nargs="+", type=number, metavar="T", help="times of the frames")
     options.add_argument("--most", type=whole(2), default=300, metavar="N", help="most frames of the film (default 300)")
     options.add_argument("--gif", action="store_true", help="the film as a gif even where an mp4 can be made")
     given = options.parse_args(words)
@@ -279,7 +271,7 @@ def main(words=None):
         raise BadInput(f"{given.run} is no run of contacts alone (it has no motion.csv); python -m tools.plot draws the others")
     for t in given.times or []:
         if not run.times[0] - 1e-9 <= t <= run.times[-1] * (1 + 1e-9):
-            raise BadInput(f"--times: {t:g} is not between {run.times[0]:g} and {run.times[-1]:g} s, the end of the run")
+            raise BadInput(f"--times: {t:g} is not between {run.times[0]:g} and {run.times[-1]:g} {run.units['time']}, the end of the run")
     run.warn_unfinished()
     out = Path(given.out or given.run)
     out.mkdir(parents=True, exist_ok=True)

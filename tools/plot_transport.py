@@ -12,7 +12,7 @@ import numpy as np
 from tools.command import BadInput, Parser, guarded
 from tools.mesh_files import read_field
 from tools.plot import plot_trajectories
-from tools.plotting import draw_outline, draw_speed, fitting, frame, panels, particle_artists, save, speed_of, speed_top, time_text
+from tools.plotting import draw_boundary, draw_speed, fitting, frame, headline, panels, particle_artists, save, speed_of, speed_top, time_text
 from tools.run_folder import RunFolder
 
 DOT = 3.0  # points: the least diameter that is drawn
@@ -41,22 +41,21 @@ def plot_transport(run, path, times=None):
     for one, t in zip(axes, times):
         if flow:
             drawn = draw_speed(one, flow[0], speed_of(flow[1]), top)
-        draw_outline(one, run.mesh, run.open)
+        draw_boundary(one, run)
         inside = run.particles_at(t)
-        particle_artists(one, inside, clip=run.clip, spokes=bool(np.any(run.particles["theta"])))
+        particle_artists(one, inside, clip=run.clip, spokes=run.turns)
         dots = inside[:, scale * inside[4] < 0.5 * DOT / 72]
         if dots.size:  # too small to be seen to scale
             tiny = True
             one.plot(dots[1], dots[2], "o", markersize=DOT, markeredgewidth=0, color="black", zorder=6)
         frame(one, run.extent, run.units["length"])
-        when = time_text(t, last=max(times))
+        when = time_text(t, run.units["time"], max(times))
         one.set_title(fitting([f"{when}: {inside.shape[1]} inside", when, when.split()[2]], one.room - 0.1), pad=3)
     if drawn is None:
         bar.remove()
     else:
         figure.colorbar(drawn, cax=bar, extend=extend).set_label(f"speed of the flow ({run.units_per_depth['speed']})")
-    inches = figure.get_size_inches()
-    figure.text(0.5, 1 - 0.1 / inches[1], run.title + (": flow and particles" if flow else ": particles") + (" (dots: larger than they are)" if tiny else ""), ha="center", va="top", fontsize=10)
+    headline(figure, run.title + (": flow and particles" if flow else ": particles") + (" (dots: larger than they are)" if tiny else ""))
     return save(figure, path)
 
 
@@ -65,7 +64,7 @@ def parser():
     options = Parser(prog="python -m tools.plot_transport", description=__doc__)
     options.add_argument("run", help="run folder of a transport case")
     options.add_argument("--out", metavar="DIR", help="where the pictures go (default: the run folder)")
-    options.add_argument("--times", metavar="T1,T2,...", help="times in s within the run (default: six)")
+    options.add_argument("--times", metavar="T1,T2,...", help="times within the run (default: six)")
     return options
 
 
@@ -86,7 +85,7 @@ def main(words=None):
         end = max((float(run.columns(name)["t"].max(initial=0)) for name in ("steps", "particles") if run.has(name)), default=0.0)
         for t in times:
             if not 0 <= t <= end * (1 + 1e-9):
-                raise BadInput(f"--times: {t:g} is not between 0 and {end:g} s, the end of the run")
+                raise BadInput(f"--times: {t:g} is not between 0 and {end:g} {run.units['time']}, the end of the run")
     out = Path(given.out or given.run)
     out.mkdir(parents=True, exist_ok=True)
     print(plot_transport(run, out / "transport.png", times))

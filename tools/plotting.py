@@ -148,6 +148,18 @@ def draw_outline(axes, mesh, open_ends=OPEN):
         axes.add_collection(LineCollection(lines, zorder=4, capstyle="round", clip_on=False, **style), autolim=False)
 
 
+def draw_boundary(axes, run):
+    """The boundary of a run: that of its mesh, else the walls that it wrote."""
+    draw_outline(axes, run.mesh, run.open)
+    if run.mesh is None:
+        axes.add_collection(LineCollection(run.walls, color="black", linewidth=1.1, capstyle="round", zorder=4), autolim=False)
+
+
+def headline(figure, text):
+    """The title of a whole figure."""
+    figure.text(0.5, 1 - 0.1 / figure.get_figheight(), text, ha="center", va="top", fontsize=10)
+
+
 def particle_artists(axes, particles, zorder=5, clip=None, spokes=True):
     """Particles as neutral disks or ellipses, each with a line from its centre to the rim at theta.
     particles: (id, x, y, theta, radius, minor) arrays; clip: (x0, y0, width, height) beyond which

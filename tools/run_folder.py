@@ -200,6 +200,19 @@ class RunFolder:
             raise BadInput(f"cannot read {path}: {problem}") from None
 
     @cached_property
+    def walls(self):
+        """walls.csv, the walls at the start, as segments (S, 2, 2); none if the run wrote none."""
+        if not self.has("walls"):
+            return np.zeros((0, 2, 2))
+        table = self.columns("walls")
+        return np.column_stack([table[c] for c in ("x1", "y1", "x2", "y2")]).reshape(-1, 2, 2)
+
+    @property
+    def turns(self):
+        """Whether the angles of the particles mean anything: those of carried particles may all be 0."""
+        return not self.has("steps") or bool(np.any(self.particles["theta"]))
+
+    @cached_property
     def mesh(self):
         """The mesh of the run (see tools/mesh_files.py), None if the folder holds none."""
         path = self.folder / "mesh.mesh"

@@ -55,8 +55,7 @@ def solid_segments(run, period=(0.0, 0.0)):
     """(S, 4) walls of a run folder: walls.csv, else the edges of mesh.mesh that are neither
     open ends nor sides with an image."""
     if run.has("walls"):
-        table = run.table("walls")
-        return np.column_stack([table[name] for name in ("x1", "y1", "x2", "y2")])
+        return run.walls.reshape(-1, 4)
     if not (Path(run.folder) / "mesh.mesh").is_file():
         return np.zeros((0, 4))
     mesh = run.mesh
