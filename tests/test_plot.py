@@ -531,7 +531,7 @@ def test_contacts_of_one_time_are_drawn_without_a_film(freefem, tmp_path, capsys
     freefem(*words, "-tend", 0.12, "-restart", tmp_path / "run", "-out", tmp_path / "on")
     assert plot_contacts.main([str(tmp_path / "on")]) == 0
     assert "film: left out, only one time to show" in capsys.readouterr().out and (tmp_path / "on" / "energy.png").is_file()
-    with pytest.raises(BadInput, match="one time only"):
+    with pytest.raises(BadInput, match="only one time"):
         plot_contacts.main([str(tmp_path / "on"), "--only", "film"])
 
 

@@ -336,7 +336,7 @@ def test_a_recipe_may_have_options_and_a_study_of_steps_a_mesh_of_its_own(case, 
     before = rows_of(tmp_path / "out")
     assert study.main([*words, "--", "-mesh", str(made)]) == 0
     assert [row["value"] for row in rows_of(tmp_path / "out")] == [row["value"] for row in before]
-    with pytest.raises(BadInput, match="-mesh is set by the study"):
+    with pytest.raises(BadInput, match="-mesh is set by this tool"):
         study.main([*words, "--meshsize", "0.5", "--", "-mesh", str(made)])
 
 

@@ -6,6 +6,7 @@ error stream that says what, where and what to do, 128 + signal when stopped fro
 import argparse
 import math
 import os
+import re
 import signal
 import sys
 from pathlib import Path
@@ -74,6 +75,16 @@ def whole(least):
         return value
 
     return read
+
+
+def case_options(words, taken):
+    """["-mu", "0.1"] as a dict of a case's options; `taken`: those that the tool sets itself. Raises BadInput."""
+    if len(words) % 2 or any(not re.match("-[A-Za-z]", name) for name in words[::2]):
+        raise BadInput(f"options of the case come in pairs, -name value; not {' '.join(words)}")
+    for name in words[::2]:
+        if name in taken:
+            raise BadInput(f"{name} is set by this tool, not among the options of the case")
+    return dict(zip(words[::2], words[1::2]))
 
 
 def guarded(main):

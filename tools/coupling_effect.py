@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tools.command import ROOT, BadInput, Parser, guarded, whole
+from tools.command import ROOT, BadInput, Parser, case_options, guarded, whole
 from tools.plotting import CURVES, PAGE_WIDTH, plt, save
 from tools.run_folder import RunFolder
 from tools.tables import write_table
@@ -98,9 +98,7 @@ def parser():
 def main(words=None):
     """Write table and picture; 0."""
     given, rest = parser().parse_known_args(words)
-    if len(rest) % 2 or any(not name.startswith("-") for name in rest[::2]) or {"-coupling", "-seed"} & set(rest):
-        raise BadInput(f"options of the case come in pairs, -name value, without -coupling and -seed; not {' '.join(rest)}")
-    out, more = Path(given.out).resolve(), dict(zip(rest[::2], rest[1::2]))
+    out, more = Path(given.out).resolve(), case_options(rest, ["-coupling", "-seed", "-out"])
     os.makedirs(out, exist_ok=True)
     runs = [[RunFolder(folder) for folder in compute(given.seeds, out / way.replace("-", "_"), {**more, "-coupling": way}, given.jobs)] for way in ("one-way", "two-way")]
     if not all(len(run.particles["t"]) for way in runs for run in way):

@@ -39,7 +39,7 @@ from pathlib import Path
 import numpy as np
 
 from tools import quantities
-from tools.command import ROOT, BadInput, Parser, guarded, number, positive, whole
+from tools.command import ROOT, BadInput, Parser, case_options, guarded, number, positive, whole
 from tools.mesh_files import read_mesh
 from tools.run_folder import RunFolder
 from tools.runner import commit, cores, fingerprint, freefem, named_files, run_case, run_command, side_by_side
@@ -322,16 +322,6 @@ def parser():
     return options
 
 
-def case_options(words, own_mesh=False):
-    """["-mu", "0.1"] as a dict; own_mesh: the study makes no meshes, and -mesh may be there."""
-    if len(words) % 2 or any(not re.match(r"-[A-Za-z]", name) for name in words[::2]):
-        raise BadInput("behind -- stand options of the case, each a name with - and a value")
-    taken = set(words[::2]) & ({"-dt", "-out"} if own_mesh else {"-dt", "-mesh", "-out"})
-    if taken:
-        raise BadInput(f"{taken.pop()} is set by the study; give --dt, --meshsize or --out before --")
-    return dict(zip(words[::2], words[1::2]))
-
-
 def main(words=None, mesh_maker=make_mesh):
     """0 if all runs ended well, 1 if some failed."""
     words = list(sys.argv[1:] if words is None else words)
@@ -346,7 +336,7 @@ def main(words=None, mesh_maker=make_mesh):
             raise BadInput(f"{name} names one value twice")
     script = os.path.relpath(Path(given.script).resolve(), ROOT) if Path(given.script).is_file() else given.script
     study = Study(script, given.meshsize or [None], given.dt or [None], given.quantity, given.reference,
-                  case_options(words[cut + 1:], own_mesh=not given.meshsize), given.out and Path(given.out), given.jobs, given.timing, given.repeat,
+                  case_options(words[cut + 1:], ["-dt", "-out", *(["-mesh"] if given.meshsize else [])]), given.out and Path(given.out), given.jobs, given.timing, given.repeat,
                   given.limit, given.retry, given.recipe, given.quantities, given.order)
     records, references = run_study(study, mesh_maker, say=lambda line: print(line, flush=True))
     for line in report(study, records, references):

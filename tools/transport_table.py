@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tools.command import ROOT, BadInput, Parser, guarded, whole
+from tools.command import ROOT, BadInput, Parser, case_options, guarded, whole
 from tools.plotting import PAGE_WIDTH, CURVES, plt, save
 from tools.run_folder import RunFolder
 from tools.runner import fingerprint, run_case, side_by_side
@@ -167,15 +167,14 @@ def parser():
 def main(words=None):
     """Write the table; 0."""
     given, rest = parser().parse_known_args(words)
-    if len(rest) % 2 or any(not name.startswith("-") for name in rest[::2]) or "-seed" in rest[::2]:
-        raise BadInput(f"options of the case come in pairs, -name value, without -seed (--seeds N runs 1 to N); not {' '.join(rest)}")
+    options = case_options(rest, ["-seed", "-out"])
     places = [Path(run).resolve() for run in given.runs or ()]
     again = [str(run) for k, run in enumerate(given.runs or ()) if places[k] in places[:k]]
     if again:
         raise BadInput(f"{again[0]} is given twice: each run counts once in mean and deviation")
     out = Path(given.out).resolve()
     os.makedirs(out, exist_ok=True)
-    folders = given.runs or compute(given.seeds, out, dict(zip(rest[::2], rest[1::2])), given.jobs)
+    folders = given.runs or compute(given.seeds, out, options, given.jobs)
     rows = table_of([RunFolder(folder) for folder in folders])
     names = ["diameter_from_m", "diameter_to_m", "particles"] + [f"{name.replace(' ', '_')}_{what}" for name in FATES for what in ("percent", "deviation")]
     write_table(out / "table.csv", names, rows)
