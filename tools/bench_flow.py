@@ -15,7 +15,6 @@ into the environment in use. A program that is not there or fails is a row with 
 
 Writes bench_flow.csv and bench_flow.png. Status 0: all ran; 1: something did not.
 """
-import json
 import math
 import os
 import subprocess
@@ -26,7 +25,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from tools.command import ROOT, BadInput, Parser, guarded, positive
 from tools.plotting import MARKERS, PAGE_WIDTH, curve, plt, save
-from tools.runner import commit, freefem, machine, own_folder, run_case, run_command
+from tools.runner import commit, freefem, machine, make_mesh, own_folder, reported, run_case, run_command
 from tools.run_folder import RunFolder
 from tools.tables import write_table
 
@@ -76,8 +75,7 @@ def mesh_of(problem, level, out, size=1.0):
             points = round(int(words[points_at]) / size)
             words[size_at] = f"{float(words[size_at]) * int(words[points_at]) / points:.5f}"
             words[points_at] = str(points)
-        mesh.parent.mkdir(parents=True, exist_ok=True)
-        subprocess.run([sys.executable, "-m", "tools.mesh", *words, "--out", str(mesh)], cwd=ROOT, check=True, capture_output=True)
+        make_mesh(words, mesh)
     return mesh
 
 
@@ -135,10 +133,10 @@ def run_program(program, problem, level, out, limit, size=1.0):
 def peer(program, problem, level, limit, size):
     """The same of another package."""
     done = run_command([sys.executable, "-m", f"tools.peers.{PEERS[program][0]}", problem, str(level), *([str(size)] if size != 1 else [])], limit)
-    lines = [line for line in done.log.splitlines() if line.startswith("{")]
-    if not done.ok or not lines:
-        return 0, {}, done.cpu_s, done.cpu_s, done.reason or "no result"
-    found = json.loads(lines[-1])
+    try:
+        found = reported(done)
+    except BadInput as problem:
+        return 0, {}, done.cpu_s, done.cpu_s, str(problem)
     return found["unknowns"], found, done.cpu_s, found["cpu_s"], ""
 
 

@@ -152,6 +152,23 @@ def run_command(command, limit=None, cwd=ROOT):
     return Done(status, why(status, text) if status else "", float(cpu), float(wall), float(memory), text)
 
 
+def make_mesh(words, path, limit=None):
+    """The mesh file `path` of a recipe and its options (words), by tools.mesh. Raises BadInput with the reason."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    done = run_command([sys.executable, "-m", "tools.mesh", *words, "--out", path], limit)
+    if not done.ok:
+        raise BadInput(f"no mesh by tools.mesh {' '.join(map(str, words))}: {done.reason}")
+    return path
+
+
+def reported(done):
+    """What a script of tools/peers reports: the last line in braces of its output. Raises BadInput where there is none."""
+    lines = [line for line in done.log.splitlines() if line.startswith("{")]
+    if not done.ok or not lines:
+        raise BadInput(done.reason or "no result")
+    return json.loads(lines[-1])
+
+
 def end_all():
     """End the runs that are under way in any thread of this process; they raise Stopped there."""
     for run in list(LIVE):

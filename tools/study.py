@@ -38,11 +38,11 @@ from pathlib import Path
 
 import numpy as np
 
-from tools import quantities
+from tools import quantities, runner
 from tools.command import ROOT, BadInput, Parser, case_options, guarded, number, positive, whole
 from tools.mesh_files import read_mesh
 from tools.run_folder import RunFolder
-from tools.runner import commit, cores, fingerprint, freefem, named_files, run_case, run_command, side_by_side
+from tools.runner import commit, cores, fingerprint, freefem, named_files, run_case, side_by_side
 from tools.study_report import error_of, extrapolated, name_of, report
 from tools.tables import write_table, write_text
 
@@ -108,13 +108,7 @@ def make_mesh(study, size):
         makers += named_files(script) if script.suffix == ".geo" else ()  # what it merges
     if path.is_file() and all(path.stat().st_mtime > maker.stat().st_mtime for maker in makers):
         return path
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name("part_" + path.name)
-    done = run_command([sys.executable, "-m", "tools.mesh", *recipe, "--size", f"{size:.12g}", "--out", part])
-    if not done.ok or not part.is_file():
-        raise BadInput(f"no mesh of size {size:.12g}: {done.reason or 'tools.mesh wrote none'}")
-    os.replace(part, path)
-    return path
+    return runner.make_mesh([*recipe, "--size", f"{size:.12g}"], path)
 
 
 def uniform_size(mesh):

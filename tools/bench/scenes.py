@@ -4,8 +4,6 @@ References: DFG 2D-1 and 2D-2 (FeatFlow); settling disk: body-fitted transient, 
 0.3 to 0.4 s; disk turning in a shear flow between plates: body-fitted, R/H = 0.25.
 """
 import functools
-import json
-import subprocess
 import sys
 
 import numpy as np
@@ -14,9 +12,9 @@ from tools import bench_contacts, bench_flow, quantities
 from tools.bench.rounds import Job
 from tools.bench.skip import PIPE_STEP
 from tools.bench.timed import step_time, tree
-from tools.command import ROOT, BadInput
+from tools.command import BadInput
 from tools.run_folder import RunFolder
-from tools.runner import run_case, run_command
+from tools.runner import make_mesh, reported, run_case, run_command
 from tools.validation.settling_disk import fitted_mean
 
 OURS, PUBLISHED = "standard", "published"
@@ -29,10 +27,7 @@ PATH = "--pattern unstructured --corridor-width 0.5 --corridor-bottom 1.8 --corr
 def mesh(recipe, name, out, *words):
     """A mesh file made by tools.mesh, once."""
     path = out / "meshes" / f"{name}.mesh"
-    if not path.is_file():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        subprocess.run([sys.executable, "-m", "tools.mesh", recipe, *words, "--out", str(path)], cwd=ROOT, check=True, capture_output=True)
-    return path
+    return path if path.is_file() else make_mesh([recipe, *words], path)
 
 
 def unknowns(folder):
@@ -79,7 +74,7 @@ def settling_lbmpy(level, limit):
     """The same by lbmpy with steps of nearly the same size: its error changes with the phase of the sound in the box."""
     def run(factor):
         done = finished(run_command([sys.executable, "-m", "tools.peers.with_lbmpy", "settling", str(level), str(factor)], limit))
-        found = json.loads(next(text for text in done.log.splitlines() if text.startswith("{")))
+        found = reported(done)
         return found["unknowns"], done.cpu_s, found["cpu_s"], done.memory_mb, abs(found["mean_v"] / FALL - 1)
     return dict(zip(("unknowns", "cpu_s", "own_s", "memory_mb", "error"), bench_flow.over_neighbours([run(factor) for factor in NEARBY])))
 

@@ -5,7 +5,6 @@ over the length of the mean path. own_s of the suite is what its steps take, tha
 its integrator takes: neither reads nor writes files in it.
 """
 import functools
-import json
 import sys
 
 import numpy as np
@@ -15,7 +14,7 @@ from tools.bench.rounds import Job
 from tools.bench.scenes import OURS, finished
 from tools.peers.with_scipy import DENSITY, END, NUMBER, RADIUS, SPREAD, START_X, start
 from tools.run_folder import RunFolder
-from tools.runner import run_case, run_command
+from tools.runner import reported, run_case, run_command
 
 STEPS = [0.02, 0.005, 0.00125]  # s
 
@@ -41,8 +40,7 @@ def distance(positions, out):
 
 def by_scipy(level, out):
     found, done = peer("vortex", level, out / "runs" / f"spheres_scipy_{level}.npy")
-    own = json.loads(next(text for text in done.log.splitlines() if text.startswith("{")))["cpu_s"]
-    return {"unknowns": NUMBER, "cpu_s": done.cpu_s, "own_s": own, "error": distance(found[:2], out), "memory_mb": done.memory_mb}
+    return {"unknowns": NUMBER, "cpu_s": done.cpu_s, "own_s": reported(done)["cpu_s"], "error": distance(found[:2], out), "memory_mb": done.memory_mb}
 
 
 def by_suite(level, out):

@@ -52,15 +52,17 @@ def towards_walls(s, ratio=4.0, samples=2000):
     return np.interp(s, np.linspace(0, 1, samples + 1), np.concatenate([[0], np.cumsum(width)]) / width.sum())
 
 
-def extrema(u, v, points=1000):
-    """u_least, v_most, v_least of samples u(y), v(x) on the centrelines of the cavity."""
+def top(f):
+    """The largest value, by the parabola through the largest sample and its neighbours."""
     import numpy as np
+    k = int(np.clip(np.argmax(f), 1, len(f) - 2))
+    a, b, c = f[k - 1:k + 2]
+    return b - (a - c) ** 2 / (8 * (a - 2 * b + c))
 
-    def top(f):
-        k = int(np.clip(np.argmax(f), 1, len(f) - 2))
-        a, b, c = f[k - 1:k + 2]
-        return b - (a - c) ** 2 / (8 * (a - 2 * b + c))
-    return {"u_least": -top(-np.asarray(u)), "v_most": top(np.asarray(v)), "v_least": -top(-np.asarray(v))}
+
+def extrema(u, v):
+    """u_least, v_most, v_least of samples u(y), v(x) on the centrelines of the cavity."""
+    return {"u_least": -top(-u), "v_most": top(v), "v_least": -top(-v)}
 
 
 def vortices(t, drag, lift, since):
@@ -68,11 +70,6 @@ def vortices(t, drag, lift, since):
     import numpy as np
     late = t > since
     t, drag, lift = t[late], drag[late], lift[late]
-
-    def top(f):
-        k = int(np.clip(np.argmax(f), 1, len(f) - 2))
-        a, b, c = f[k - 1:k + 2]
-        return b - (a - c) ** 2 / (8 * (a - 2 * b + c))
     middle = 0.5 * (lift.max() + lift.min())
     k = np.flatnonzero((lift[:-1] < middle) & (lift[1:] >= middle))
     rises = t[k] + (middle - lift[k]) * (t[k + 1] - t[k]) / (lift[k + 1] - lift[k])

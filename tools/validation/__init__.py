@@ -21,7 +21,7 @@ from pathlib import Path
 
 from tools.command import BadInput
 from tools.run_folder import RunFolder
-from tools.runner import run_case, run_command
+from tools.runner import make_mesh, run_case
 
 
 class Failed(Exception):
@@ -79,13 +79,10 @@ class Context:
 
     def mesh(self, recipe, size, *more):
         """The file of a mesh made by tools.mesh. Raises Failed."""
-        path = self.out / "meshes" / f"{recipe}_{size:g}.mesh"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        done = run_command([sys.executable, "-m", "tools.mesh", recipe, "--size", f"{size:.12g}", "--out", path, *more],
-                           self.limit)
-        if not done.ok or not path.is_file():
-            raise Failed(f"no mesh {recipe} of size {size:g}: {done.reason or 'tools.mesh wrote none'}")
-        return path
+        try:
+            return make_mesh([recipe, "--size", f"{size:.12g}", *more], self.out / "meshes" / f"{recipe}_{size:g}.mesh", self.limit)
+        except BadInput as problem:
+            raise Failed(problem) from None
 
     def run(self, script, options, name, mesh=None):
         """Run a case into the folder runs/CASE/NAME; mesh: None, a file, or (recipe, size).
