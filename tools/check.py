@@ -38,7 +38,8 @@ SAME_TIME = 1e-9  # of the length of the run: times this close are one time
 
 @dataclass
 class Place:
-    """One compared value: where, what came out, what was expected, what was allowed."""
+    """One compared value: where, what came out, what was expected, what was allowed; excess: the
+    difference over the tolerance, above 1 for a mismatch (not finite: inf)."""
     file: str
     column: str
     time: float
@@ -46,20 +47,12 @@ class Place:
     got: float
     expected: float
     allowed: float
-
-    @property
-    def excess(self):
-        """The difference over the tolerance: above 1 is a mismatch (not finite: inf)."""
-        difference = abs(self.got - self.expected)
-        if not np.isfinite(difference):
-            return np.inf
-        return difference / self.allowed if self.allowed > 0 else (np.inf if difference else 0.0)
+    excess: float
 
     @property
     def rank(self):
         """What the worst place is chosen by: the excess, then the difference."""
-        difference = abs(self.got - self.expected)
-        return self.excess, difference if difference == difference else np.inf
+        return self.excess, np.nan_to_num(abs(self.got - self.expected), nan=np.inf, posinf=np.inf)
 
     def __str__(self):
         who = f", {self.who}" if self.who else ""
@@ -94,19 +87,19 @@ class Comparison:
 
     __repr__ = __str__  # what pytest shows of a failed assertion
 
-    def take(self, places_of, got, expected, allowed):
-        """Count arrays of values; places_of(k) makes the Place of the k-th."""
+    def take(self, file, column, times, who, got, expected, rtol, atol):
+        """Count arrays of values, and keep their worst Place."""
         if not len(got):
             return
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            difference = np.abs(got - expected)
+            difference, allowed = np.abs(got - expected), atol + rtol * np.abs(expected)
             excess = np.where(difference == 0, 0.0, difference / allowed)
         # Equal infinities are a match no more than anything else that is not finite.
         excess = np.where(np.isfinite(difference), excess, np.inf)
         self.compared += len(got)
         self.failed += int(np.count_nonzero(excess > 1))
-        most = np.flatnonzero(excess == excess.max())
-        place = places_of(int(most[np.argmax(np.nan_to_num(difference[most], nan=np.inf))]))
+        k = np.lexsort((-np.arange(len(got)), np.nan_to_num(difference, nan=np.inf), excess))[-1]  # of equal ones the first
+        place = Place(file, column, float(times[k]), who, float(got[k]), float(expected[k]), float(allowed[k]), float(excess[k]))
         if self.worst is None or place.rank > self.worst.rank:
             self.worst = place
 
@@ -283,9 +276,7 @@ def compare_tables(result, name, run, reference, wanted, time=None, subset=False
         for column, (relative, absolute) in wanted.items():
             is_ = values_at(times, tr, run[column][mine], slack)
             should = values_at(times, te, reference[column][rows], slack)
-            allowed = absolute + relative * abs(should)
-            result.take(lambda k: Place(name, column, float(times[k]), who, float(is_[k]), float(should[k]),
-                                        float(allowed[k])), is_, should, allowed)
+            result.take(name, column, times, who, is_, should, relative, absolute)
     if not subset:
         for key in got:
             if key not in expected:
