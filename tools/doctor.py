@@ -10,32 +10,16 @@ option.
 import os
 import platform
 import re
-import shutil
 import subprocess
 import sys
-import tempfile
 from importlib import metadata
-from pathlib import Path
 
-from tools.command import ROOT, Parser, guarded
+from tools.command import ROOT, BadInput, Parser, guarded
+from tools.runner import freefem, freefem_version, run_text
 
-FREEFEM = os.environ.get("FREEFEM", "FreeFem++")
 SOLVERS = ["UMFPACK", "CHOLMOD", "CG", "MUMPS"]
 LARGEST_RESIDUAL = 1e-8
 USUAL_PLUGINS = {"MUMPS_seq", "iovtk"}
-
-
-def freefem(script):
-    """Runs the text of a script in the root of the project: (status, output)."""
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "doctor.edp"
-        file.write_text(script)
-        command = [FREEFEM, "-nw", str(file)]
-        try:
-            run = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=120)
-        except (OSError, subprocess.TimeoutExpired) as problem:
-            return -1, str(problem)
-    return run.returncode, run.stdout
 
 
 def plugins_loaded():
@@ -72,31 +56,30 @@ def pinned_packages():
 
 
 def check_freefem(tell):
-    program = shutil.which(FREEFEM)
-    if program is None:
-        return tell(False, f"{FREEFEM} is not on the PATH: make setup installs it")
-    status, output = freefem('cout << "version " << version << endl;')
-    found = re.search(r"version (\S+)", output)
-    if status != 0 or not found:
-        return tell(False, f"{program} does not run: {output.strip().splitlines()[-1:]}")
-    tell(float(found.group(1)[:3]) >= 4.0, f"FreeFEM {found.group(1)} ({program}); BLAS {blas_of(program)}")
-    status, _ = freefem('include "getARGV.idp"')
-    return tell(status == 0, "FreeFEM's own includes (getARGV.idp)" + ("" if status == 0 else " are not found: see freefem++.pref"))
+    try:
+        program, version = freefem(), freefem_version()
+    except BadInput as problem:
+        return tell(False, str(problem))
+    if not version:
+        return tell(False, f"{program} does not run")
+    tell(float(version[:3]) >= 4.0, f"FreeFEM {version} ({program}); BLAS {blas_of(program)}")
+    there = run_text('include "getARGV.idp"').ok
+    return tell(there, "FreeFEM's own includes (getARGV.idp)" + ("" if there else " are not found: see freefem++.pref"))
 
 
 def check_plugins(tell):
     for name in plugins_loaded():
-        status, _ = freefem(f'load "{name}"')
-        tell(status == 0, f"plug-in {name}" + ("" if status == 0 else " is not found: see freefem++.pref and the package libfreefem++"))
+        there = run_text(f'load "{name}"').ok
+        tell(there, f"plug-in {name}" + ("" if there else " is not found: see freefem++.pref and the package libfreefem++"))
 
 
 def check_solvers(tell):
-    mumps = freefem('load "MUMPS_seq"')[0] == 0
-    status, output = freefem(("macro doctorMumps()1// EOM\n" if mumps else "") + 'include "tools/doctor.edp"')
-    residuals = dict(re.findall(r"^residual (\S+) (\S+)$", output, flags=re.M))
+    mumps = run_text('load "MUMPS_seq"').ok
+    done = run_text(("macro doctorMumps()1// EOM\n" if mumps else "") + 'include "tools/doctor.edp"')
+    residuals = dict(re.findall(r"^residual (\S+) (\S+)$", done.log, flags=re.M))
     for name in SOLVERS:
         if name not in residuals:
-            tell(False, f"solver {name}: no answer (FreeFem++ ended with status {status})")
+            tell(False, f"solver {name}: no answer (FreeFem++ ended with status {done.status})")
         else:
             tell(float(residuals[name]) < LARGEST_RESIDUAL, f"solver {name}: relative residual {residuals[name]}")
 

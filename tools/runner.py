@@ -152,6 +152,14 @@ def run_command(command, limit=None, cwd=ROOT):
     return Done(status, why(status, text) if status else "", float(cpu), float(wall), float(memory), text)
 
 
+def run_text(text, limit=120):
+    """Run the text of a script in the root of the project."""
+    with tempfile.TemporaryDirectory() as folder:
+        script = Path(folder) / "script.edp"
+        script.write_text(text)
+        return run_command([freefem(), "-nw", script], limit)
+
+
 def make_mesh(words, path, limit=None):
     """The mesh file `path` of a recipe and its options (words), by tools.mesh. Raises BadInput with the reason."""
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -251,14 +259,16 @@ def versions():
         except metadata.PackageNotFoundError:
             pass
     try:
-        with tempfile.TemporaryDirectory() as folder:
-            script = Path(folder) / "version.edp"
-            script.write_text("cout << \"version \" << version << endl;\n")
-            text = subprocess.run([freefem(), "-nw", str(script)], capture_output=True, text=True, timeout=60).stdout
-        found["FreeFEM"] = next(line.split()[1] for line in text.splitlines() if line.startswith("version "))
-    except (BadInput, OSError, StopIteration, subprocess.TimeoutExpired):
+        found["FreeFEM"] = freefem_version() or "unknown"
+    except BadInput:
         found["FreeFEM"] = "unknown"
     return found
+
+
+def freefem_version():
+    """FreeFEM's version, None where it does not run. Raises BadInput where it is not there."""
+    said = re.search(r"^version (\S+)", run_text('cout << "version " << version << endl;\n').log, re.MULTILINE)
+    return said and said.group(1)
 
 
 def own_folder(folder, tool, names):
