@@ -595,6 +595,25 @@ def test_an_unsteady_flow_along_y_moves_a_sphere_as_one_along_x(freefem_text, tm
     np.testing.assert_allclose(up["v"], along["u"], rtol=1e-12, atol=1e-14)
 
 
+def test_the_history_of_a_particle_does_not_hang_on_who_comes_and_goes(freefem_text, tmp_path):
+    """In an unsteady shear flow, with all that a particle has: one of three leaves when the tails of the history have begun, another enters later. Those who stay,
+    and who enters, move as they do alone, bit for bit."""
+    flow = "carrierU = 2.*py; carrierU += cos(30*t); carrierV = 0.; carrierUX = 0.; carrierUY = 2.; carrierVX = 0.; carrierVY = 0.; carrierUT = -30*sin(30*t); carrierVT = 0.;"
+    sphere = "{{ real[int] x0 = [{}], y0 = [{}], r = [{}], d = [{}], u0 = [{}], z = [0.]; transportAppend(x0, y0, r, d, u0, z, z); }} "
+    first, goes, last = (sphere.format(*values) for values in ((0., 0.1, 0.01, 2500., 0.5), (0.5, 0.2, 0.012, 4000., 2.), (0.1, -0.1, 0.008, 1500., -1.)))
+    enters = "queueAt(0.2, 0.05, 0.009, 3000, 0.082);"
+    words = ["-history", 1, "-history-window", 6, "-magnus", 1, "-drag", "stokes", "-contacts", 0, "-dt", 0.002, "-tend", 0.12, "-every", 0.002]
+
+    def moves(name, bodies):
+        rows = in_formula(freefem_text, tmp_path / name, flow + " // EOM\nmacro caseBound() 0.62", bodies, *words)
+        return {number: np.column_stack([rows[word][rows["id"] == number] for word in ("t", "x", "y", "theta", "u", "v", "omega")]) for number in set(rows["id"])}
+
+    together, pair, alone = moves("together", first + goes + last + enters), moves("pair", first + last), moves("alone", enters)
+    assert 20 < len(together[1]) < 40 and 15 < len(together[3]) < 25
+    for one, other in ((together[0], pair[0]), (together[2], pair[1]), (together[3], alone[0])):
+        np.testing.assert_array_equal(one, other)
+
+
 def test_walls_move_before_the_first_particle_is_there(freefem_text, tmp_path):
     """A piston of 1 m/s from x = -0.03 on; a sphere let go at 0.1 is pushed: at 0.15 s its centre is at 0.12 + its radius."""
     bodies = "contactWallSegment(-0.03, -1, -0.03, 1); contactWallVelocity(0, 1, 0); queueAt(0.1, 0, 0.01, 2500, 0.05);"
