@@ -72,6 +72,20 @@ def test_a_heavy_disk_on_a_spring_swings_with_its_own_period(freefem_text, tmp_p
     assert np.diff(times).mean() == pytest.approx(0.5, rel=0.003)
 
 
+def test_steps_of_any_sizes_are_of_second_order(freefem_text, tmp_path):
+    """A disk a million times as dense as the fluid, pushed by a force and a torque that grow evenly, while it falls: velocities quadratic in time are exact in
+    steps that -cfl makes longer and shorter, but for the first one, and so are places where velocities are linear. What is left is the fluid, 1e-6."""
+    mass, moment = 1e6 * np.pi * 0.1**2, 1e6 * np.pi * 0.1**4 / 2
+    text = scene("bodyDisk(0.3, 0.3, 0.1, 1e6);", f"bodyPush(0, {30 * mass}*now, 0, {40 * moment}*now);", mu=0.001, gravity=2)
+    freefem_text(text, "-dt", 0.02, "-cfl", 0.4, "-tend", 0.4, "-every", 0, "-tolerance", 1e-10, "-convection", 0, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    rows, step = run.particles, run.fluid["dt"]
+    ratio = step[13:] / step[12:-1]
+    assert ratio.min() < 0.6 and ratio.max() > 1.15 and (step[1:] * run.fluid["top_speed"][:-1]).max() < 0.4 / 32  # of elements
+    for found, exact, within in (("u", 15 * rows["t"] ** 2, 2e-6), ("omega", 20 * rows["t"] ** 2, 5e-6), ("v", 2 * rows["t"], 2e-6), ("y", rows["t"] ** 2, 1e-6)):
+        assert abs(np.diff(rows[found] - exact)[11:]).max() < within, found
+
+
 def test_a_spring_goes_on_when_another_particle_has_left(freefem_text, tmp_path):
     """Particle 0 leaves; 1 swings on about x = 0.4, damped by nothing but the fluid, a thousandth of its density."""
     rate = 4 * np.pi
