@@ -86,6 +86,16 @@ def test_steps_of_any_sizes_are_of_second_order(freefem_text, tmp_path):
         assert abs(np.diff(rows[found] - exact)[11:]).max() < within, found
 
 
+def test_a_force_that_changes_its_sign_again_and_again_does_not_stir_the_fluid(freefem_text, tmp_path):
+    """Every other step, on a light disk: only the first is an onset. With the accelerations of each made fit the fluid had twenty times the speed that the force gives."""
+    step, ratio = 0.005, 0.1
+    text = scene(f"bodyDisk(0.4, 0.6, 0.12, {ratio});", f"bodyPush(0, 0.1*(lround(now/{step} - 1)/2 % 2 ? -1. : 1.), 0, 0);", mu=0.001)
+    freefem_text(text, "-dt", step, "-cfl", 0, "-tend", 0.3, "-every", 0.1, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    speed = 2 * step * 0.1 / (np.pi * 0.12**2 * (ratio + 1))
+    assert abs(run.particles["u"]).max() < 1.2 * speed and run.fluid["top_speed"][-1] < 2 * speed
+
+
 def test_a_spring_goes_on_when_another_particle_has_left(freefem_text, tmp_path):
     """Particle 0 leaves; 1 swings on about x = 0.4, damped by nothing but the fluid, a thousandth of its density."""
     rate = 4 * np.pi
