@@ -596,13 +596,13 @@ def test_an_unsteady_flow_along_y_moves_a_sphere_as_one_along_x(freefem_text, tm
 
 
 def test_the_history_of_a_particle_does_not_hang_on_who_comes_and_goes(freefem_text, tmp_path):
-    """In an unsteady shear flow, with all that a particle has: one of three leaves when the tails of the history have begun, another enters later. Those who stay,
+    """In an unsteady shear flow, with all that a particle has (by one pass the drag is that of the slip before): one of three leaves when the tails of the history have begun, another enters later. Those who stay,
     and who enters, move as they do alone, bit for bit."""
     flow = "carrierU = 2.*py; carrierU += cos(30*t); carrierV = 0.; carrierUX = 0.; carrierUY = 2.; carrierVX = 0.; carrierVY = 0.; carrierUT = -30*sin(30*t); carrierVT = 0.;"
     sphere = "{{ real[int] x0 = [{}], y0 = [{}], r = [{}], d = [{}], u0 = [{}], z = [0.]; transportAppend(x0, y0, r, d, u0, z, z); }} "
     first, goes, last = (sphere.format(*values) for values in ((0., 0.1, 0.01, 2500., 0.5), (0.5, 0.2, 0.012, 4000., 2.), (0.1, -0.1, 0.008, 1500., -1.)))
     enters = "queueAt(0.2, 0.05, 0.009, 3000, 0.082);"
-    words = ["-history", 1, "-history-window", 6, "-magnus", 1, "-drag", "stokes", "-contacts", 0, "-dt", 0.002, "-tend", 0.12, "-every", 0.002]
+    words = ["-history", 1, "-history-window", 6, "-magnus", 1, "-drag", "schiller-naumann", "-drag-passes", 1, "-contacts", 0, "-dt", 0.002, "-tend", 0.12, "-every", 0.002]
 
     def moves(name, bodies):
         rows = in_formula(freefem_text, tmp_path / name, flow + " // EOM\nmacro caseBound() 0.62", bodies, *words)
