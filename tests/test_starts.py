@@ -268,3 +268,15 @@ def test_a_stream_that_speeds_up_evenly_takes_a_disk_along_from_the_first_step_o
     time, force = run.table("forces")["t"], run.table("forces")["fx"] / (np.pi * 0.15**2 * 5)
     assert run.particles["u"] == pytest.approx(np.minimum(1, run.particles["t"] / 0.2), rel=0.01)
     assert force[(time > 0.01) & (time < 0.201)] == pytest.approx(1, abs=0.05) and force[time > 0.201] == pytest.approx(0, abs=0.05)
+
+
+def test_a_disk_goes_along_with_a_stream_that_is_sped_up_and_slowed_down_in_turn(freefem_text, tmp_path):
+    """A plug flow, two steps each: with the pressure of the first of these jumps alone the disk went against the stream, and the force on it was five times what it must be."""
+    step, rate = 0.005, 10
+    text = STREAM.replace("return 1; }", f"real s = t/{4 * step} - floor(t/{4 * step} + 1e-9); return {2 * step * rate}*(1 - abs(1 - 2*s)); }}")
+    freefem_text(text, "-dt", step, "-cfl", 0, "-tend", 16 * step, "-every", 0, "-forces", 1, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    stream = step * rate * np.tile([1, 2, 1, 0], 4)
+    assert abs(run.particles["u"] - stream).max() < 0.01 * stream.max()
+    force = np.pi * 0.12**2 * rate * np.tile([1, 1, -1, -1], 4)
+    assert abs(run.table("forces")["fx"] - force).max() < 0.03 * force.max()
