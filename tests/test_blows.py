@@ -173,6 +173,18 @@ def test_a_blow_keeps_the_momentum_of_fluid_and_bodies(bodies, before, freefem_t
     assert worst_overlap(tmp_path / "run") < 1e-6
 
 
+def test_a_blow_of_two_bodies_is_no_impulse_of_the_walls(freefem_text, tmp_path):
+    """In a closed box, in the step of the blow: what the contact gave to either body was in the sum of the walls' impulses where the fluid's share had changed it."""
+    text = case("bodyAdd(0.3, 0.5, 0.1, 2, 2, 0, 0, 1); bodyDisk(0.55, 0.52, 0.1, 1.5);", mu=0.005, gravity=0)
+    freefem_text(text, "-dt", 0.004, "-cfl", 0, "-tend", 0.08, "-every", 0, "-budget", 1, "-tolerance", 1e-8, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    budget, contacts = run.table("budget"), run.table("contacts")
+    assert {*contacts["i"], *contacts["j"]} == {0, 1}
+    blow = int(np.argmin(abs(budget["t"] - contacts["t"][0])))
+    off = budget["momentum_x"] - budget["walls_x"]
+    assert blow > 1 and abs(off[blow] - off[blow - 1]) < 0.1 * contacts["impulse"][0]
+
+
 def worst_overlap(folder):
     """In semi-minor axes, from the tables alone."""
     run = RunFolder(folder)
