@@ -280,3 +280,16 @@ def test_a_disk_goes_along_with_a_stream_that_is_sped_up_and_slowed_down_in_turn
     assert abs(run.particles["u"] - stream).max() < 0.01 * stream.max()
     force = np.pi * 0.12**2 * rate * np.tile([1, 1, -1, -1], 4)
     assert abs(run.table("forces")["fx"] - force).max() < 0.03 * force.max()
+
+
+def test_bodies_that_are_turned_back_again_and_again_have_the_accelerations_and_forces_of_ideal_fluid(freefem_text, tmp_path):
+    """Every fifth step, one by a force, one that is moved: with the pressure of the first jump alone the force was up to twice what it must be, and its course another."""
+    sign, speed = "(lround((now)/0.005 - 1)/5 % 2 ? -1. : 1.)", "0.025*(1 - abs(1 - 2*((now)/0.05 - floor((now)/0.05 + 1e-9))))"
+    more = f"macro caseLoads(now) bodyPush(0, 0, 0.5*{sign}, 0); // EOM\nmacro caseMotion(now) givenMotion(1, 0, {speed}, 0); // EOM"
+    text = case("{ bodyAdd(1.01, 2.02, 0.25, 1.5, 0, 0, 0, 1); bodyAdd(1.01, 5.02, 0.25, 1, 0, 0, 0, 0); }", walls="labelWall", mu=0.001, gravity=0, more=more)
+    freefem_text(text, "-mesh", "meshes/settling_disk.mesh", "-forces", 1, "-dt", 0.005, "-cfl", 0, "-tend", 0.15, "-every", 0, "-out", tmp_path / "run")
+    rows, forces = RunFolder(tmp_path / "run").particles, RunFolder(tmp_path / "run").table("forces")
+    sense, added, area = np.tile(np.repeat([1, -1], 5), 3), 1 + np.pi**2 / 6 * 0.25**2, np.pi * 0.25**2
+    np.testing.assert_allclose(-forces["fy"][forces["id"] == 1] / (area * added), sense, atol=0.07)
+    exact = np.cumsum(sense) * 0.005 * 0.5 / (area * (1.5 + added))
+    np.testing.assert_allclose(rows["v"][rows["id"] == 0], exact, atol=0.1 * exact.max())
