@@ -285,14 +285,24 @@ def test_an_obstacle_behind_the_inlet_is_in_the_way(freefem_text, tmp_path):
     assert done.returncode == 5 and "deep in a wall where it enters" in done.stderr
 
 
-def test_a_wide_deviation_is_uniform(freefem_text):
+def test_heights_sizes_and_times_of_those_who_wait(freefem_text):
+    """Heights are normal, or uniform where the deviation is wide, and leave room at the walls; sizes are uniform."""
     out = freefem_text("""include "lib/queue.idp"
+cout.precision(12);
 queueGaussian(2000, 3, -1, 1, 0.2, 0.2, 1e9, 1, 0, 0);
-cout << "HEIGHTS " << queueY.min << " " << queueY.max << " " << queueY.sum/2000 << " " << (queueY'*queueY)/2000 << endl;""").stdout
+cout << "HEIGHTS " << queueY.min << " " << queueY.max << " " << queueY.sum/2000 << " " << (queueY'*queueY)/2000 << endl;
+queueWaiting = 0;
+queueGaussian(4000, 3, -1, 2, 0.2, 0.6, 0.2, 1, 0.3, 0.02);
+real[int] off = queueY, wide = queueRadius, late = queueTime, rank = 0:3999;
+off -= 0.5; late -= 0.3; late -= 0.02*rank;
+cout << "NORMAL " << off.sum/4000 << " " << sqrt(off'*off/4000) << " " << wide.min << " " << wide.max << " " << wide.sum/4000 << " " << late.linfty << endl;""").stdout
     low, high, mean, square2 = map(float, out.split("HEIGHTS")[1].split()[:4])
     room = 1 - 0.1 * 1.05
     assert -room <= low < -0.95 * room and 0.95 * room < high <= room
     assert mean == pytest.approx(0, abs=0.05) and square2 == pytest.approx(room**2 / 3, rel=0.06)
+    mean, deviation, smallest, largest, size, late = map(float, out.split("NORMAL")[1].split()[:6])
+    assert mean == pytest.approx(0, abs=0.015) and deviation == pytest.approx(0.2, rel=0.05)
+    assert 0.1 <= smallest < 0.101 and 0.299 < largest <= 0.3 and size == pytest.approx(0.2, abs=0.005) and late < 1e-9
 
 
 def test_the_flux_through_a_period_is_that_of_poiseuille(freefem_text, tmp_path):

@@ -196,6 +196,13 @@ def test_the_first_step_from_rest_is_bounded_by_cfl(freefem, tmp_path):
     assert fluid["dt"][0] < 0.05 and fluid["top_speed"].max() < 30
 
 
+def test_the_first_step_of_a_push_is_bounded_by_cfl(freefem_text, tmp_path):
+    """By what the force over the mass would give; a step grows by a fifth at most."""
+    text = case("bodyDisk(0.5, 0.5, 0.12, 2);", gravity=0, more="macro caseLoads(now) bodyPush(0, 30, 40, 0); // EOM")
+    freefem_text(text, "-dt", 0.2, "-cfl", 1.5, "-tend", 0.05, "-every", 0, "-out", tmp_path / "run")
+    assert RunFolder(tmp_path / "run").fluid["dt"][0] < 1.25 * np.sqrt(2 * 1.5 / 32 * 2 * np.pi * 0.12**2 / 50)
+
+
 def spin_down(ratio, nu, omega, radius, end, cells=500, steps=4000):
     """Rates of a disk of `ratio` times the fluid's density that turns in the middle of a drum of radius 1, at `steps` + 1 times up to `end`: the flow
     goes round in circles, and r^3 d(omega)/dt = nu d/dr(r^3 d(omega)/dr), by finite volumes and implicit steps."""
