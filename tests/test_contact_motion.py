@@ -270,13 +270,13 @@ include "lib/walls.idp"
 mesh Th = square(13, 7);
 int[int] three = [1, 2, 4], all = [1, 2, 3, 4], none(0);
 int made3 = contactWallsFromMesh(Th, three);
-contactWallsClear();
+contactWallsKeep(0);
 int made4 = contactWallsFromMesh(Th, all), made0 = contactWallsFromMesh(Th, none);
 cout << "made " << made3 << " " << made4 << " " << made0 << " length "
      << abs(contactSX2[0] - contactSX1[0]) + abs(contactSY2[0] - contactSY1[0]) << endl;
 border ring(t = 0, 2*pi) { x = cos(t); y = sin(t); }
 mesh disk = buildmesh(ring(40));
-contactWallsClear();
+contactWallsKeep(0);
 int[int] one = [1];
 for (int k = 0; k < disk.nbe; ++k) one[0] = disk.be(k).label;
 cout << "ring " << contactWallsFromMesh(disk, one) << endl;
