@@ -226,3 +226,15 @@ def test_every_table_of_a_run_is_compared(tmp_path):
         (tmp_path / name).mkdir()
         (tmp_path / name / "motion.csv").write_text(f"step,t,kinetic_energy\n1,0.1,{energy}\n")
     assert not compare(tmp_path / "run", tmp_path / "reference", columns={"kinetic_energy": 1e-3})
+
+
+def test_a_column_without_a_row_is_not_called_a_match(tmp_path):
+    """Nothing of the impulses was compared where nothing touches; a column that the reference has not is still refused."""
+    for name in ("run", "reference"):
+        (tmp_path / name).mkdir()
+        table(tmp_path / name / "fluid.csv", [0.1, 0.2], [1, 2], "top_speed")
+        (tmp_path / name / "contacts.csv").write_text("t,i,j,impulse\n")
+    result = compare(tmp_path / "run", tmp_path / "reference")
+    assert result and "top_speed" in str(result) and "impulse" not in str(result)
+    with pytest.raises(BadInput, match="no column angle"):
+        compare(tmp_path / "run", tmp_path / "reference", columns=["top_speed", "angle"])

@@ -91,6 +91,7 @@ class Comparison:
         """Count arrays of values, and keep their worst Place."""
         if not len(got):
             return
+        self.columns += [column] if column not in self.columns else []
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             difference, allowed = np.abs(got - expected), atol + rtol * np.abs(expected)
             excess = np.where(difference == 0, 0.0, difference / allowed)
@@ -240,7 +241,6 @@ def compare_tables(result, name, run, reference, wanted, time=None, subset=False
     for column in [*keys, *wanted]:
         if column not in run:
             raise BadInput(f"{name} of the run has no column {column}; it has {', '.join(run)}")
-    result.columns += [column for column in wanted if column not in result.columns]
     got, expected = groups(run, keys, t_run, f"the run's {name}"), groups(reference, keys, t_ref, f"the reference of {name}")
     if not expected:
         if got and not subset:
@@ -290,9 +290,10 @@ def compare(run, reference, columns=None, rtol=1e-6, atol=0.0, time=None, subset
     rtol, atol: the tolerances of columns that bring none. Raises BadInput."""
     wanted = tolerances(columns, rtol, atol)
     result = Comparison()
+    lost = set(wanted or ())
     for name, mine, other in pairs_of_tables(run, reference, wanted):
         compare_tables(result, name, mine, other, wanted, time, subset, rtol, atol)
-    lost = set(wanted or ()) - set(result.columns)
+        lost -= set(other)
     if lost:
         raise BadInput(f"the reference {reference} has no column {sorted(lost)[0]}")
     if not result.compared and not result.missing:
