@@ -82,28 +82,13 @@ def read(gmsh, source, size, all_sizes=False):
     if source.suffix == ".geo" and re.search(r"^[ \t]*Exit[ \t]*;", source.read_text(encoding="utf-8", errors="replace"), re.MULTILINE):
         raise BadInput(f"'{source}' has the command Exit, which ends the program before there is a mesh: take it out")
     gmsh.open(str(source))
-    scale, surfaces = 1.0, set()
+    scale, surfaces = 1.0, [-1]
     if source.suffix == ".geo":
-        scale, factor, largest, least, every = (gmsh.option.getNumber("Mesh." + name) for name in ("ScalingFactor", "MeshSizeFactor", "MeshSizeMax", "MeshSizeMin", "SaveAll"))
-        if not (scale > 0 and factor > 0):
-            raise BadInput(f"'{source}' has Mesh.ScalingFactor {scale:g} and Mesh.MeshSizeFactor {factor:g}: both must be above 0")
-        if size and all_sizes:
-            proportional(gmsh, scale, factor, size)
-        elif size:
-            x0, y0, _, x1, y1, _ = (scale * bound for bound in gmsh.model.getBoundingBox(-1, -1))
-            if (x1 - x0) * (y1 - y0) / size**2 > MOST:
-                raise BadInput(f"--size {size:g} makes more than {MOST:g} triangles of a domain of {x1 - x0:g} times {y1 - y0:g}")
-            largest = min(largest, size / scale / factor)  # gmsh takes the factor after the bounds
-            gmsh.option.setNumber("Mesh.MeshSizeMax", largest)
-            gmsh.option.setNumber("Mesh.MeshSizeMin", min(least, largest))
-            gmsh.model.mesh.clear()  # curves that a command Mesh of the script has divided would stay as they are
-        gmsh.model.mesh.generate(2)
-        if not every:  # the surfaces that gmsh would write
-            surfaces = {tag for pair in gmsh.model.getPhysicalGroups(2) for tag in gmsh.model.getEntitiesForPhysicalGroup(*pair)}
+        scale, surfaces = meshed(gmsh, source, size, all_sizes)
     elif size:
         raise BadInput(f"--size is for scripts; '{source}' is meshed already")
-    require_triangles(gmsh, source, sorted(surfaces) or [-1])
-    points, triangles, number = extracted(gmsh, sorted(surfaces) or [-1])
+    require_triangles(gmsh, source, surfaces)
+    points, triangles, number = extracted(gmsh, surfaces)
     points *= scale
     if len(triangles) == 0:
         raise BadInput(f"'{source}' holds no triangles of three nodes" + (": with --size none are taken of a mesh that a script merges" if size else
@@ -113,6 +98,31 @@ def read(gmsh, source, size, all_sizes=False):
     points = points[:, :2]
     if len(np.unique(points, axis=0)) < len(points):
         raise BadInput(f"'{source}' has two nodes in one place: remove duplicates, or give matching sides one curve")
+    return finished(points, triangles, partial(named, labels=labels_of_edges(gmsh, source, points, number), source=source))
+
+
+def meshed(gmsh, source, size, all_sizes):
+    """Meshes an open script; its Mesh.ScalingFactor and the surfaces that gmsh would write ([-1]: all). Raises BadInput."""
+    scale, factor, largest, least, every = (gmsh.option.getNumber("Mesh." + name) for name in ("ScalingFactor", "MeshSizeFactor", "MeshSizeMax", "MeshSizeMin", "SaveAll"))
+    if not (scale > 0 and factor > 0):
+        raise BadInput(f"'{source}' has Mesh.ScalingFactor {scale:g} and Mesh.MeshSizeFactor {factor:g}: both must be above 0")
+    if size and all_sizes:
+        proportional(gmsh, scale, factor, size)
+    elif size:
+        x0, y0, _, x1, y1, _ = (scale * bound for bound in gmsh.model.getBoundingBox(-1, -1))
+        if (x1 - x0) * (y1 - y0) / size**2 > MOST:
+            raise BadInput(f"--size {size:g} makes more than {MOST:g} triangles of a domain of {x1 - x0:g} times {y1 - y0:g}")
+        largest = min(largest, size / scale / factor)  # gmsh takes the factor after the bounds
+        gmsh.option.setNumber("Mesh.MeshSizeMax", largest)
+        gmsh.option.setNumber("Mesh.MeshSizeMin", min(least, largest))
+        gmsh.model.mesh.clear()  # curves that a command Mesh of the script has divided would stay as they are
+    gmsh.model.mesh.generate(2)
+    groups = [] if every else gmsh.model.getPhysicalGroups(2)
+    return scale, sorted({tag for pair in groups for tag in gmsh.model.getEntitiesForPhysicalGroup(*pair)}) or [-1]
+
+
+def labels_of_edges(gmsh, source, points, number):
+    """{places of an edge: label} of the physical curves; number: of each node's tag, the point's (below 0: none). Raises BadInput."""
     labels, outside = {}, 0
     for dimension, group in gmsh.model.getPhysicalGroups(1):
         label = number_of(gmsh.model.getPhysicalName(dimension, group), group, source)
@@ -125,7 +135,7 @@ def read(gmsh, source, size, all_sizes=False):
                     raise BadInput(f"'{source}' has a side in two physical curves, of labels {labels[edge]} and {label}: name it once")
     if outside:
         print(f"warning: {outside} edges of physical curves of '{source}' lie outside the domain and are left out", file=sys.stderr)
-    return finished(points, triangles, partial(named, labels=labels, source=source))
+    return labels
 
 
 def places(edge):
