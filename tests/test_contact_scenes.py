@@ -208,3 +208,14 @@ def test_the_least_gap_is_that_between_the_rows_too(freefem_text, tmp_path):
     """A disk passes a held one by 0.001 while no row is written."""
     free_disks(freefem_text, tmp_path / "run", "bodyAdd(0, 0, 0.1, 1, 0, 0, 0, 0); bodyAdd(-0.5, 0.201, 0.1, 1, 1, 0, 0, 1);", 0, 0, "-dt", 0.01, "-tend", 0.55, "-every", 1)
     assert read_table(tmp_path / "run" / "motion.csv")["worst_gap"][-1] < 0.0015
+
+
+@pytest.mark.parametrize("solver", ["newton", "accelerated", "uzawa"])
+def test_a_piston_goes_down_till_the_disks_under_it_have_no_room(contacts, tmp_path, solver):
+    """Five in a shaft one and a half of their diameters wide: side by side in turn they need a height of 0.2 + 4 sqrt(0.03) m, which the piston passes in a step of 0.01 m."""
+    bodies = "for (int k = 0; k < 5; ++k) bodyDisk(0.1 + 0.1*(k % 2), 0.1 + 0.2*k, 0.1, 1);"
+    walls = "contactWallSegment(0, 0, 0.3, 0); contactWallSegment(0, -1, 0, 3); contactWallSegment(0.3, -1, 0.3, 3); contactWallVelocity(contactWallSegment(0, 1.203, 0.3, 1.203), 0, -1);"
+    done = contacts(bodies, walls, "-dt", 0.01, "-tend", 0.5, "-every", 0.01, "-contact-solver", solver, gravity=-10, check=False)
+    assert done.returncode == 4 and "leaves a body no room: no motion satisfies the contacts" in done.stderr
+    motion, need = read_table(tmp_path / "run" / "motion.csv"), 0.2 + 4 * 0.03**0.5
+    assert need <= 1.203 - motion["t"][-1] < need + 0.01 and min(motion["worst_gap"]) > -1e-9
