@@ -4,6 +4,7 @@ import sys
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_bvp
 
 from conftest import ROOT, run_freefem
 from tools.tables import read_table
@@ -399,6 +400,43 @@ def test_each_side_of_a_steady_channel_bears_its_own_force(freefem_text, tmp_pat
     exact = {"fx13": 1, "fy13": -3, "fx14": 1, "fy14": 3, "fx1": -2, "fy1": 0}
     for name, one in exact.items():
         assert value(run_folder, name) == pytest.approx(one, abs=1e-7), name
+
+
+HIEMENZ = """
+include "lib/options.idp"
+optCase("hiemenz", "a stream against a plate");
+optDefault("-mesh", "FILE");
+int[int] sides = [3, 1, 1, 8];
+savemesh(square(16, 16, [x, y*(0.3 + 0.7*y)], label = sides), "FILE");
+real rhoFluid = 3, speed = 1, size = 1, mu = 0.15, root = sqrt(mu/rhoFluid);
+real[int] first(4001), slope(4001);
+{ ifstream f("TABLE"); for (int i = 0; i <= 4000; ++i) f >> first[i] >> slope[i]; }
+func real at(real[int] & values, real eta) { real s = min(3999.999, 400*eta); int i = int(s); return values[i] + (s - i)*(values[i + 1] - values[i]); }
+include "lib/labels.idp"
+int[int] labelsStill = [labelWall], labelsMoving = [labelInlet], labelsFree(0);
+macro caseSymmetry() [labelAxis] // EOM
+macro inletU() (x*at(slope, y/root)) // EOM
+macro inletV() (-root*at(first, y/root)) // EOM
+macro caseResult() {
+    real[int] force(2);
+    steadyForceOn(labelWall, force);
+    resultPut("shear", force[0]/(0.5*mu/root), "");
+    resultPut("off", sqrt(int2d(Th)((newtonU - (inletU))^2 + (newtonV - (inletV))^2)), "");
+} // EOM
+include "scripts/steady_laminar.edp"
+"""
+
+
+def test_a_stream_against_a_plate_has_the_shear_of_hiemenz(freefem_text, tmp_path, run_folder):
+    """u = x f'(eta), v = -sqrt(nu) f(eta), f''' + f f'' + 1 - f'^2 = 0, given at the sides: f''(0) = 1.2326 (K. Hiemenz, Dingler's J. 326 (1911) 321)."""
+    eta = np.linspace(0, 10, 1001)
+    exact = solve_bvp(lambda _, f: np.array([f[1], f[2], f[1] ** 2 - 1 - f[0] * f[2]]), lambda a, b: np.array([a[0], a[1], b[1] - 1]), eta, [eta, 1 - np.exp(-eta), np.exp(-eta)], tol=1e-9, max_nodes=100000)
+    f, slope, bend = exact.sol(np.linspace(0, 10, 4001))
+    assert bend[0] == pytest.approx(1.232588, abs=1e-6)
+    np.savetxt(tmp_path / "table.txt", np.column_stack([f, slope]))
+    freefem_text(HIEMENZ.replace("FILE", f"{tmp_path}/plate.mesh").replace("TABLE", f"{tmp_path}/table.txt"), "-out", run_folder)
+    assert value(run_folder, "shear") == pytest.approx(bend[0], rel=3e-5)  # 1e-5; 1.2e-4 with 8 elements a side
+    assert value(run_folder, "off") < 3e-5
 
 
 @pytest.mark.parametrize("case", ["cylinder_steady", "cavity"])
