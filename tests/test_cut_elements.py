@@ -62,32 +62,34 @@ cutSetUp();
 cutFind();
 r = 0;
 cutFlux(u, v, q, r);
-cout << "sum " << r.sum << " " << r.linfty << endl;
+cout << "sum " << r.sum << " " << r.linfty << " " << cutN << endl;
 for (int T = 0; T < Th.nt; ++T) for (int k = 0; k < 6; ++k) cout << "corner " << T << " " << flowX[Wh(T, k)] << " " << flowY[Wh(T, k)] << " " << u[Wh(T, k)] << " " << v[Wh(T, k)] << " " << (k < 3 ? Qh(T, k) : -1) << endl;
 for (int i = 0; i < flowNq; ++i) cout << "vertex " << r[i] << endl;
 """
 
 
 def twin(nodes, bodies, motions, size):
-    """grad q . I of lib/cut_flux.idp, the integrals by sums over many points of each cut element."""
+    """grad q . I of lib/cut_flux.idp, the integrals by sums over many points of each cut element; the bodies that cut each of these."""
     fine = 60
     a, b = np.meshgrid(np.arange(fine), np.arange(fine), indexing="ij")
     points = np.vstack([np.column_stack([((a + s) / fine).ravel(), ((b + s) / fine).ravel()])[(a + b < fine - (s > 0.5)).ravel()] for s in (1 / 3, 2 / 3)])
     l1, l2 = points.T
     l0 = 1 - l1 - l2
     phi = np.array([l0 * (2 * l0 - 1), l1 * (2 * l1 - 1), l2 * (2 * l2 - 1), 4 * l1 * l2, 4 * l0 * l2, 4 * l0 * l1])
-    found = np.zeros(size)
+    found, cuts = np.zeros(size), []
     for six in nodes.reshape(-1, 6, 6):
         x, y, u, v, vertex = six[:, 1:].T
         (x0, x1, x2), (y0, y1, y2) = x[:3], y[:3]
         twice = (x1 - x0) * (y2 - y0) - (x2 - x0) * (y1 - y0)
         grad = np.array([[y1 - y2, x2 - x1], [y2 - y0, x0 - x2], [y0 - y1, x1 - x0]]) / twice
+        cuts.append(0)
         px, py = l0 * x0 + l1 * x1 + l2 * x2, l0 * y0 + l1 * y1 + l2 * y2
         for (bx, by, radius), (mu, mv, mw) in zip(bodies, motions):
             far = np.hypot(x - bx, y - by)
             rigid = far < radius
             if rigid.all() or not rigid.any():
                 continue
+            cuts[-1] += 1
             part = np.hypot(px - bx, py - by) < radius
             inside, outside = (phi * part).mean(axis=1), (phi * ~part).mean(axis=1)
             reach = np.where(rigid, 0, far - radius)
@@ -95,16 +97,17 @@ def twin(nodes, bodies, motions, size):
                 slope = (w * reach).sum() / ((reach**2).sum() + 0.01 * ((radius - far)[rigid]**2).sum())
                 ghost = -slope * (radius - far)[rigid]
                 found[vertex[:3].astype(int)] += grad[:, component] * twice / 2 * ((ghost * outside[rigid]).sum() - (w * inside)[~rigid].sum())
-    return found
+    return found, np.array(cuts)
 
 
 def test_the_flux_is_that_of_a_numpy_twin_also_where_two_disks_share_an_element(freefem_text):
     bodies, motions = [(0.31, 0.42, 0.127), (0.545, 0.42, 0.1), (0.7, 0.7, 0.16)], [(0.3, -0.2, 0.7), (1.0, 0.4, -2.0), (-0.5, 0.1, 1.0)]
     motion = "[" + ", ".join(str(m[k]) for k in range(3) for m in motions) + "]"
     out = run(freefem_text, disks(bodies), FLUX.replace("MOTION", motion))
-    total, largest = rows(out, "sum")[0]
+    total, largest, pairs = rows(out, "sum")[0]
     found = rows(out, "vertex").ravel()
-    expected = twin(rows(out, "corner"), bodies, motions, len(found))
+    expected, cuts = twin(rows(out, "corner"), bodies, motions, len(found))
+    assert pairs == cuts.sum() and cuts.max() == 2
     assert abs(total) < 1e-14 and largest > 1e-4
     np.testing.assert_allclose(found, expected, atol=0.06 * largest)  # 36 parts an element; 0.03 with 64
 
