@@ -127,6 +127,27 @@ for (int k = 0; k < 2; ++k) {
     assert (found[:, 0] < 1e-13).all() and (found[:, 1] > 3.1).all() and list(found[:, 2]) == [1, 2]
 
 
+def test_each_body_s_ghosts_follow_by_its_own_rate(freefem_text):
+    """Those of the states extrapolated by it, whatever the rate of the other body is."""
+    ask = """
+withConvection = 1; mu = 0.05;
+real[int] u = flowY .* flowY, v = flowX .* flowY, u1 = flowX .* flowY, v1 = flowX, rates = [0.7, -0.3], fu(flowNw), fv(flowNw);
+bodyQ = [0.3, -0.1, -0.2, 0.4, 0.7, 1.1]; bodyQ1 = [0.1, 0.2, -0.3, 0.2, -0.4, 0.6];
+rowsShare = 0; fu = 0; fv = 0; cutSetUp(); cutFind(); ghostFind();
+ghostAddBy(u, v, u1, v1, rates, fu, fv);
+real[int] gu = ghostU, gv = ghostV;
+for (int d = 0; d < 2; ++d) {
+    real s = rates[d], off = 0;
+    real[int] ue = (1 + s)*u - s*u1, ve = (1 + s)*v - s*v1, qe = (1 + s)*bodyQ - s*bodyQ1;
+    ghostAdd(ue, ve, qe, fu, fv);
+    for (int k = 0; k < rigidCount; ++k) if (rigidOwner[k] == d) off = max(off, abs(ghostU[rigidNode[k]] - gu[rigidNode[k]]) + abs(ghostV[rigidNode[k]] - gv[rigidNode[k]]));
+    cout << "off " << off << " " << ghostU.linfty << endl;
+}
+"""
+    found = rows(freefem_text(script([(0.31, 0.42, 0.127), (0.66, 0.62, 0.16)], more=ask)).stdout, "off")
+    assert len(found) == 2 and (found[:, 0] < 1e-13).all() and (found[:, 1] > 0.05).all()
+
+
 def test_the_nodes_left_out_are_no_force_on_anything(freefem_text):
     """K g of any g at the rigid nodes that are not asked: 0 at the nodes outside and in each body's sums. The two disks share elements."""
     ask = """
