@@ -148,6 +148,33 @@ for (int d = 0; d < 2; ++d) {
     assert len(found) == 2 and (found[:, 0] < 1e-13).all() and (found[:, 1] > 0.05).all()
 
 
+def test_outer_points_in_another_body_or_in_a_wall_do_not_count(freefem_text):
+    """Where the first one lies there g is 0, where only the second does it is along the straight line to the first: of a slip s there, - s times depth over distance in xi."""
+    disks = [(0.16, 0.5, 0.127), (0.44, 0.52, 0.13)]
+    ask = """
+real[int] u(flowNw), v(flowNw), q(6), fu(flowNw), fv(flowNw);
+u = 1; v = 0; q = 0; fu = 0; fv = 0; withConvection = 0; rowsShare = 0;
+cutSetUp(); cutFind(); ghostFind(); ghostAdd(u, v, q, fu, fv);
+for [i, k : ghostAt] cout << "at " << rigidOwner[k] << " " << rigidX[k] << " " << rigidY[k] << " " << flowH[rigidNode[k]] << " " << ghostWet1[i] << " " << ghostWet2[i] << " " << ghostU[rigidNode[k]] << " " << ghostV[rigidNode[k]] << endl;
+"""
+    owner, rx, ry, size, first, second, gu, gv = rows(freefem_text(script(disks, more=ask)).stdout, "at").T
+    own = np.array(disks)[owner.astype(int)].T
+    other = np.array(disks)[1 - owner.astype(int)].T
+    nx, ny = np.array([rx, ry]) / np.hypot(rx, ry)
+    room = []  # of each outer point, to the other disk and to the walls
+    for far in (size, 2 * size):
+        x, y = own[0] + nx * (own[2] + far), own[1] + ny * (own[2] + far)
+        room.append(np.min([np.hypot(x - other[0], y - other[1]) - other[2], x, 1 - x, y, 1 - y], axis=0))
+    for wet, clear in ((first, room[0]), (second, np.minimum(*room))):
+        sure = abs(clear) > 0.25 * size
+        assert (wet[sure] == (clear > 0)[sure]).all() and 5 < (wet == 0).sum() < 0.8 * len(wet)
+    depth, bend = own[2] - np.hypot(rx, ry), 0.5 / own[2]
+    line = ny * depth / (1 - bend * depth) / (size / (1 + bend * size))  # of the slip (1, 0) along (-ny, nx), which is - ny
+    dry, straight = first == 0, (first == 1) & (second == 0)
+    assert dry.sum() > 5 and straight.sum() > 5 and np.hypot(gu, gv)[dry].max() == 0
+    np.testing.assert_allclose([gu[straight], gv[straight]], [-line[straight] * ny[straight], line[straight] * nx[straight]], atol=1e-9)
+
+
 def test_the_nodes_left_out_are_no_force_on_anything(freefem_text):
     """K g of any g at the rigid nodes that are not asked: 0 at the nodes outside and in each body's sums. The two disks share elements."""
     ask = """
