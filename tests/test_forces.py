@@ -43,3 +43,16 @@ def test_a_force_that_is_off_changes_nothing(freefem, run_folder):
     run(freefem, run_folder, "-flow", "vortex", "-drag", "off", "-buoyancy", 0, "-added-mass", 0, "-lift", 0, "-start-u", 1, "-start-v", 0.5)
     last = (run_folder / "particles.csv").read_text().splitlines()[-1].split(",")
     assert [float(word) for word in last[3:8]] == pytest.approx([0.02, 0.01, 0, 1, 0.5], abs=1e-15)
+
+
+@pytest.mark.parametrize("one, other, within", [
+    (["-added-mass", 0], ["-added-mass-coefficient", 0], 0),
+    (["-lift", 0], ["-lift-coefficient", 0], 0),
+    (["-lift", 0, "-drag-constant", 0.88, "-radius", 0.002], ["-lift", 0], 1e-9)])
+def test_coefficients_are_those_of_their_forces(one, other, within, freefem, tmp_path):
+    """0 is none; the constant drag of a sphere twice as large, of twice the coefficient, accelerates it as much."""
+    ends = []
+    for name, words in (("one", one), ("other", other), ("plain", [])):
+        run(freefem, tmp_path / name, "-flow", "vortex", "-fluid-acceleration", 1, "-start-x", 0.5, "-start-y", 0.3, "-start-u", 1, "-drag-tolerance", 1e-11, *words)
+        ends.append([float(word) for word in (tmp_path / name / "particles.csv").read_text().splitlines()[-1].split(",")[3:8]])
+    assert ends[0] == pytest.approx(ends[1], abs=within, rel=0) and abs(ends[1][4] - ends[2][4]) > 1e-5
