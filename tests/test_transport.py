@@ -143,6 +143,30 @@ def test_the_paper_s_turbulent_force_is_its_formula(freefem, tmp_path):
     assert up[:, 0] == pytest.approx(-2 * force / mass * 0.01, rel=1e-3) and up[:, 1] == pytest.approx(2, abs=1e-3)
 
 
+@pytest.mark.parametrize("paper", [False, True])
+def test_the_drift_of_the_fluctuations_is_that_of_a_well_mixed_fluid(paper, freefem, tmp_path):
+    """With the same random numbers, with and without it: w gains T grad(sigma)/(1 + tau/T) (1 - exp(-t/T)), its mean over a step of dt = a T that times 1 - (1 - exp(-a))/a.
+    Tracers show it by their places; of spheres of a response time tau = T the paper's force does, across the flow."""
+    dt, T, sigma, slope, radius = 0.2, 0.3, 0.2, 0.5, 0.001
+    words = ["-number", 9, "-start-y", 0.4, "-spread", 1, "-sigma", sigma, "-sigma-slope", slope, "-drag", "stokes", "-radius", radius, "-buoyancy", 0, "-added-mass", 0, "-lift", 0, "-tend", dt, "-dt", dt]
+    if paper:
+        words += ["-turbulence", "paper", "-flow", "uniform", "-speed", 2, "-start-u", 2, "-mu", 2500 * 2 / 9 * radius**2 / T]
+    else:
+        words += ["-turbulence", "fluctuation", "-mu", 1e6]
+    ends = []
+    for drift in (0, 1):
+        freefem(SCRIPT, "-out", tmp_path / str(drift), *words, "-turbulence-drift", drift)
+        table = rows(tmp_path / str(drift) / "particles.csv")
+        ends.append(np.array([[float(row["y"]), float(row["v"])] for row in table if row["t"] == table[-1]["t"]]))
+    y, a = 0.4 + np.linspace(0, 1, 9), dt / T
+    mean = sigma * (1 + slope * np.cos(y)) * T * -sigma * slope * np.sin(y) / (1 + paper) * (1 - (1 - np.exp(-a)) / a)
+    if paper:
+        force = 0.5 * 1000 * np.pi * radius**2 * 2 * mean / (2500 * 4 / 3 * np.pi * radius**3)
+        np.testing.assert_allclose((ends[1] - ends[0])[:, 1], force * T * (1 - np.exp(-a)), rtol=1e-6)
+    else:
+        np.testing.assert_allclose((ends[1] - ends[0])[:, 0], dt * mean, rtol=1e-4)
+
+
 QUEUE = ["-tend", 0.12, "-checkpoint", 20]
 
 
