@@ -376,8 +376,9 @@ def test_walls_that_the_mesh_does_not_have_are_none(freefem_text, tmp_path):
     more = "macro boundaryU() 1. // EOM"
     text = case("", walls="labelWall", moving="labelLeft", outlet="labelRight", slip="labelBottom, labelTop", more=more, gravity=0)
     text = "int[int] sides = [13, 12, 14, 11];\n" + f'savemesh(square(8, 8, label = sides), "{tmp_path}/box.mesh");\n' + text
-    freefem_text(text, "-mesh", tmp_path / "box.mesh", "-tend", 0.1, "-every", 0, "-out", tmp_path / "run")
+    freefem_text(text, "-mesh", tmp_path / "box.mesh", "-tend", 0.1, "-every", 0, "-wallforces", 1, "-out", tmp_path / "run")
     fluid = RunFolder(tmp_path / "run").fluid
+    assert set(RunFolder(tmp_path / "run").table("wallforces")["label"]) == {11}  # the inlet, and no wall
     assert (abs(fluid["flux_out"][6:] - 1) < 0.04).all()  # from the seventh step on: an outlet takes over at once
 
 
