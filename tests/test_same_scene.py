@@ -250,3 +250,19 @@ def test_frames_forget_bodies_that_have_left(channel, freefem_text, tmp_path):
     rows = np.array([line.split()[1:] for line in done.stdout.splitlines() if line.startswith("kept")], float)
     assert rows[:, 2].max() > 0 and rows[-5:, 0].max() == 0  # there were frames, and the disk has left
     assert rows[-1, 1] == 0 and rows[-1, 2] == 0
+
+
+def test_who_counts_as_near_in_a_blow_does_not_hang_on_the_axes(freefem_text, tmp_path):
+    """One disk is thrown at another beside a third, in a box that is turned; how far off neighbours were asked went by the jumps along x and y."""
+    found = []
+    for angle in (0, 45):
+        c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+        bodies = [((0.31, 0.47), 5), ((0.53, 0.475), 0), ((0.34, 0.68), 0)]
+        places = [(c * x - s * y, s * x + c * y, speed * c, speed * s) for (x, y), speed in bodies]
+        text = case(" ".join(f"bodyAdd({x:.17g}, {y:.17g}, 0.1, 5, {u:.17g}, {v:.17g}, 0, 1);" for x, y, u, v in places), gravity=0,
+                    more=f"macro caseDomain() Th = movemesh(Th, [{c:.17g}*x - {s:.17g}*y, {s:.17g}*x + {c:.17g}*y]); // EOM")
+        freefem_text(text, "-dt", 0.002, "-cfl", 0, "-tend", 0.03, "-every", 0, "-out", tmp_path / f"{angle}")
+        run = RunFolder(tmp_path / f"{angle}")
+        assert run.fluid["contacts"].max() > 0
+        found.append(np.column_stack([run.particles["u"], run.particles["v"]]) @ np.array([[c, -s], [s, c]]))
+    assert np.abs(found[1] - found[0]).max() < 1e-7
