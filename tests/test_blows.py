@@ -81,6 +81,19 @@ def test_the_flow_of_a_blow_has_the_added_mass_of_an_ideal_fluid(place, jump, ex
     assert -np.dot(added, jump) / (np.pi * 0.04) == pytest.approx(exact, rel=within)
 
 
+@pytest.mark.parametrize("angle, place", [(0, (0.003, 0.007)), (1.2, (0.005, 0.015))])
+def test_two_that_touch_and_part_push_the_fluid_as_two_cylinders_do(angle, place, freefem_text, tmp_path):
+    """In elements of both hardly any fluid was left to flow in between them: four to six times the added mass, and impulses of blows three times too large."""
+    mesh, along = tmp_path / "round.mesh", 0.20025 * np.array([np.cos(angle), np.sin(angle)])
+    text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(200)), "{mesh}");\n'
+    (xa, ya), (xb, yb) = place - along, place + along
+    push = PUSH.replace("[JUMP, 0.], held(3), e(flowNq), got(3)", f"[{-along[0]}, {along[0]}, {-along[1]}, {along[1]}, 0., 0.], held(6), e(flowNq), got(6)")
+    text += case(f"bodyDisk({xa}, {ya}, 0.2, 2); bodyDisk({xb}, {yb}, 0.2, 2);", walls="labelWall", more=push.replace("got[0] << \" \" << got[1]", "got[1] - got[0] << \" \" << got[3] - got[2]"))
+    done = freefem_text(standard_alone(text), "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
+    added = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("added")).split()[1:]]
+    assert -np.dot(added, along) / (2 * np.dot(along, along)) / (np.pi * 0.04) == pytest.approx(np.pi**2 / 3 - 1, rel=0.15)
+
+
 GAPS = """macro caseStep() {
     real[int] r(flowNq), before(flowNq), far(flowNq), size(flowNq), beside(flowNq), closed(flowNq), one(0);
     varf pairs(p, q) = int2d(Th)(p*q);
@@ -167,9 +180,10 @@ def test_a_blow_keeps_the_momentum_of_fluid_and_bodies(bodies, before, freefem_t
     found = rows(freefem_text(text, "-mesh", mesh, "-out", tmp_path / "run").stdout, "momentum")
     first = int(np.argmax(found[:, 2] > 1e-4))
     assert first > 1 and found[:, 2].max() > 1e-3
-    assert np.hypot(*(found[first, :2] - found[first - 1, :2])) < 0.006 * found[first, 2] < 0.1 * before * found[first, 2]
+    press = found[first:first + 10, 2].sum()  # of the whole collision
+    assert np.hypot(*(found[first, :2] - found[first - 1, :2])) < 0.006 * press < 0.1 * before * press
     assert np.hypot(*(found[first - 1, :2] - found[0, :2])) < 0.0015 * found[0, 0]
-    assert np.hypot(*(found[-1, :2] - found[first - 1, :2])) < 0.01 * found[first, 2]
+    assert np.hypot(*(found[-1, :2] - found[first - 1, :2])) < 0.01 * press
     assert worst_overlap(tmp_path / "run") < 1e-6
 
 
