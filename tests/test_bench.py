@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from conftest import ROOT
-from tools import bench_flow
 from tools.bench import __main__ as bench
 from tools.bench import skip
 from tools.bench.figure import draw
@@ -158,17 +157,12 @@ def test_a_folder_that_is_not_the_tools_own_is_left_as_it_is(tmp_path):
         (tmp_path / "new" / "meshes").mkdir()
 
 
-def test_figures_of_what_has_not_run_yet(tmp_path):
-    """A problem without a row, a program that failed first, nothing at all."""
-    rows = [["cavity", "NGSolve", 0, 0, math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, "not there"],
-            ["cavity", "this suite", 0, 5427, 1.0, 0.7, 7e-3, 0, 0, 0, ""]]
-    assert bench_flow.draw(rows, ["cavity", "2d1"], tmp_path / "flow.png").stat().st_size > 5000
+def test_there_is_no_figure_of_nothing(tmp_path):
     assert draw([], [], tmp_path / "none.png") is None
 
 
-@pytest.mark.parametrize("tool", [bench, bench_flow])
-def test_a_limit_that_is_no_time_is_refused(tool):
+def test_a_limit_that_is_no_time_is_refused():
     for word in ("nan", "0", "soon"):
         with pytest.raises(SystemExit) as caught:
-            tool.parser().parse_args(["--limit", word])
+            bench.parser().parse_args(["--limit", word])
         assert caught.value.code == 3

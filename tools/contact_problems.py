@@ -19,7 +19,7 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from tools.command import BadInput
-from tools.runner import run_case
+from tools.runner import finished, run_case
 
 SCRIPT = "scripts/project_velocities.edp"
 
@@ -204,9 +204,7 @@ def project(scene, dt=0.01, tol=1e-10, solver="newton", repeat=1, options=None, 
             files["-walls"] = f"{folder}/walls.csv"
         words = {**files, "-dt": dt, "-tol": tol, "-solver": solver, "-repeat": repeat, **(options or {})}
         words["-out"] = f"{folder}/projected.csv"
-        done = run_case(SCRIPT, words, limit=limit)
-        if not done.ok:
-            raise BadInput(done.reason)
+        done = finished(run_case(SCRIPT, words, limit=limit))
         velocity = np.loadtxt(f"{folder}/projected.csv", delimiter=",", skiprows=1, ndmin=2)[:, 1:3]
         contacts = read_contacts(f"{folder}/contacts.csv")
     names = "disks constraints steps factorisations residual gap time search".split()

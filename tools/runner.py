@@ -169,11 +169,18 @@ def make_mesh(words, path, limit=None):
     return path
 
 
+def finished(done):
+    """A run that ended well; BadInput with the reason of another."""
+    if not done.ok:
+        raise BadInput(done.reason)
+    return done
+
+
 def reported(done):
     """What a script of tools/peers reports: the last line in braces of its output. Raises BadInput where there is none."""
-    lines = [line for line in done.log.splitlines() if line.startswith("{")]
-    if not done.ok or not lines:
-        raise BadInput(done.reason or "no result")
+    lines = [line for line in finished(done).log.splitlines() if line.startswith("{")]
+    if not lines:
+        raise BadInput("no result")
     return json.loads(lines[-1])
 
 

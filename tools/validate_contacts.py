@@ -18,7 +18,7 @@ from scipy.optimize import isotonic_regression
 from tools import bench_contacts
 from tools.command import BadInput, Parser, guarded
 from tools.contact_problems import Scene, constraints, packing, project, qp_piqp, read_scene, scaled
-from tools.runner import run_case
+from tools.runner import finished, run_case
 from tools.tables import read_table, write_table
 
 DATA = "tests/data/contact/random_{}_{}.csv"
@@ -77,9 +77,7 @@ def quadratic_program():
 def falling():
     """The falling particles: rest, overlap, energy, momentum."""
     with tempfile.TemporaryDirectory() as folder:
-        done = run_case("cases/falling_particles.edp", {"-every": 0.02}, out=f"{folder}/run")
-        if not done.ok:
-            raise BadInput(done.reason)
+        finished(run_case("cases/falling_particles.edp", {"-every": 0.02}, out=f"{folder}/run"))
         motion = read_table(f"{folder}/run/motion.csv")
         radius = read_table(f"{folder}/run/particles.csv")["radius"].min()
     kinetic = motion["kinetic_energy"]
@@ -95,9 +93,7 @@ def settled():
     dt, weight = 0.002, 9.81
     heap = {"-number": 500, "-rmin": 0.008, "-rmax": 0.012, "-gravity": weight, "-dt": dt, "-tend": 4, "-every": 1}
     with tempfile.TemporaryDirectory() as folder:
-        done = run_case("cases/falling_particles.edp", heap, out=f"{folder}/run")
-        if not done.ok:
-            raise BadInput(done.reason)
+        finished(run_case("cases/falling_particles.edp", heap, out=f"{folder}/run"))
         rows, walls = (read_table(f"{folder}/run/{name}.csv") for name in ("particles", "walls"))
     last = rows["t"] == rows["t"].max()
     x, y, radius, u, v = (rows[name][last] for name in ("x", "y", "radius", "u", "v"))

@@ -21,8 +21,8 @@ import sys
 import time
 from pathlib import Path
 
-from tools import bench_contacts, bench_flow
-from tools.bench import skip
+from tools import bench_contacts
+from tools.bench import flow, skip
 from tools.bench.figure import draw
 from tools.bench.page import load, write_page
 from tools.bench.rounds import collect, earlier, run_rounds
@@ -33,7 +33,7 @@ from tools.command import ROOT, Parser, guarded, positive, whole
 from tools.runner import freefem, machine, own_folder
 
 PARTS = ("flow", "particles", "contacts", "transport", "scaling", "skip")
-PACKAGES = {"ngsolve": bench_flow.PEERS["NGSolve"][1], "skfem": bench_flow.PEERS["scikit-fem"][1], "lbmpy": "lbmpy==2.0",
+PACKAGES = {"ngsolve": flow.PEERS["NGSolve"][1], "skfem": flow.PEERS["scikit-fem"][1], "lbmpy": "lbmpy==2.0",
             **{name: f"{name}=={version}" for name, version in bench_contacts.PEERS.items()}}
 PUBLISHED_SETTLING = [(3, 0.005), (4, 0.005), (6, 0.005), (8, 0.0025)]
 
@@ -56,10 +56,10 @@ def jobs_of(part, there, out, quick, limit):
     """The jobs of a part; small ones for --quick."""
     qp = [name for name in bench_contacts.PEERS if name in there]
     if part == "flow":
-        levels = {"2d1": {bench_flow.OURS: (0, 1, 2), bench_flow.PUBLISHED: (0,) if quick else (0, 1, 2), "NGSolve": (0, 1, 2), "scikit-fem": (0, 1, 2)}}
+        levels = {"2d1": {OURS: (0, 1, 2), PUBLISHED: (0,) if quick else (0, 1, 2), "NGSolve": (0, 1, 2), "scikit-fem": (0, 1, 2)}}
         if not quick:
-            levels["2d2"] = {bench_flow.OURS: (0, 1, 2), bench_flow.PUBLISHED: (0, 1, 2), "NGSolve": (0, 1, 2)}
-            levels["cavity"] = dict.fromkeys((bench_flow.OURS, bench_flow.PUBLISHED, "NGSolve", "scikit-fem"), (0, 1, 2))
+            levels["2d2"] = {OURS: (0, 1, 2), PUBLISHED: (0, 1, 2), "NGSolve": (0, 1, 2)}
+            levels["cavity"] = dict.fromkeys((OURS, PUBLISHED, "NGSolve", "scikit-fem"), (0, 1, 2))
         absent = {name for name, package in (("NGSolve", "ngsolve"), ("scikit-fem", "skfem")) if package not in there}
         return flow_jobs(out, {p: {k: v for k, v in those.items() if k not in absent} for p, those in levels.items()}, limit)
     if part == "particles":

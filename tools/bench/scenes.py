@@ -8,16 +8,17 @@ import sys
 
 import numpy as np
 
-from tools import bench_contacts, bench_flow, quantities
+from tools import bench_contacts, quantities
+from tools.bench import flow
+from tools.bench.flow import OURS, PUBLISHED, over_neighbours
 from tools.bench.rounds import Job
 from tools.bench.skip import PIPE_STEP
 from tools.bench.timed import step_time, tree
 from tools.command import BadInput
 from tools.run_folder import RunFolder
-from tools.runner import make_mesh, reported, run_case, run_command
+from tools.runner import finished, make_mesh, reported, run_case, run_command
 from tools.validation.settling_disk import fitted_mean
 
-OURS, PUBLISHED = "standard", "published"
 FALL, TURN = fitted_mean(), 0.8392
 PIPE = "cases/pipe_obstacles.edp"
 NEARBY = (1.0, 0.95, 1.05)  # sizes of elements, or time steps of a lattice, over one's own
@@ -32,26 +33,12 @@ def mesh(recipe, name, out, *words):
 
 def unknowns(folder):
     """Unknowns of P2/P1 on the mesh of a run of a domain without holes."""
-    return bench_flow.size_of(RunFolder(folder), holes=0)
-
-
-def finished(done):
-    """The run, or BadInput with its reason."""
-    if not done.ok:
-        raise BadInput(done.reason)
-    return done
+    return flow.size_of(RunFolder(folder), holes=0)
 
 
 def flow_jobs(out, levels, limit):
-    """DFG 2D-1 and 2D-2 by tools.bench_flow. levels: {problem: {program: levels}}."""
-    names = {bench_flow.OURS: OURS, bench_flow.PUBLISHED: PUBLISHED}
-
-    def run(program, problem, level):
-        size, _, cpu, own, off, reason = bench_flow.judged(program, problem, level, out, limit)
-        if reason:
-            raise BadInput(reason)
-        return {"unknowns": float(size), "cpu_s": cpu, "own_s": own, "error": off}
-    return [Job("flow", problem, names.get(program, program), level, functools.partial(run, program, problem, level))
+    """DFG 2D-1, DFG 2D-2 and the cavity by tools/bench/flow.py. levels: {problem: {program: levels}}."""
+    return [Job("flow", problem, program, level, functools.partial(flow.judged, program, problem, level, out, limit))
             for problem, programs in levels.items() for level in range(3)
             for program, those in programs.items() if level in those]
 
@@ -67,7 +54,7 @@ def settling(scheme, cells, dt, out, limit):
         value = quantities.mean_v(RunFolder(folder), 0.3, 0.4)
         return unknowns(folder), done.cpu_s, done.memory_mb, abs(value / FALL - 1)
     runs = [run(factor) for factor in (NEARBY if scheme == OURS else NEARBY[:1])]
-    return dict(zip(("unknowns", "cpu_s", "memory_mb", "error"), bench_flow.over_neighbours(runs)))
+    return dict(zip(("unknowns", "cpu_s", "memory_mb", "error"), over_neighbours(runs)))
 
 
 def settling_lbmpy(level, limit):
@@ -76,7 +63,7 @@ def settling_lbmpy(level, limit):
         done = finished(run_command([sys.executable, "-m", "tools.peers.with_lbmpy", "settling", str(level), str(factor)], limit))
         found = reported(done)
         return found["unknowns"], done.cpu_s, found["cpu_s"], done.memory_mb, abs(found["mean_v"] / FALL - 1)
-    return dict(zip(("unknowns", "cpu_s", "own_s", "memory_mb", "error"), bench_flow.over_neighbours([run(factor) for factor in NEARBY])))
+    return dict(zip(("unknowns", "cpu_s", "own_s", "memory_mb", "error"), over_neighbours([run(factor) for factor in NEARBY])))
 
 
 def turning(scheme, cells, dt, out, limit):

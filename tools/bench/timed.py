@@ -1,4 +1,4 @@
-"""Runs of a scene that print what a time step costs, in a tree of sources of their own.
+"""What a time step costs: of carried spheres, and of a scene that prints it, in a tree of sources of its own.
 
 A tree holds copies of lib/, scripts/ and of the case, with a clock in its macro caseStep(), and
 where asked without the statements of a feature: the program that never had it. Each statement
@@ -9,7 +9,8 @@ import shutil
 from pathlib import Path
 
 from tools.command import ROOT, BadInput
-from tools.runner import run_case
+from tools.run_folder import RunFolder
+from tools.runner import finished, run_case
 
 CLOCK = """int benchCalls = 0;
 real benchBefore = 0;
@@ -108,11 +109,19 @@ def tree(folder, script, steps, warm, guards=(), calls=(), files=()):
     return folder
 
 
+def carried_step(number, steps, history, out):
+    """(seconds of CPU a step in the flow, in the forces, peak MiB) of `number` spheres carried one way with every force but
+    history (Brown-Lawler drag, weight less buoyancy, added mass, fluid acceleration, lift, Magnus, fluctuations), or with it
+    too, no contacts. The first steps of a run are its most expensive: the figure is over all of them."""
+    folder = out / "runs" / f"{number}_{history}"
+    done = finished(run_case("tests/transport/bench.edp", {"-number": number, "-tend": 0.001 * steps, "-history": history}, out=folder))
+    table = RunFolder(folder).table("steps")
+    return table["time_flow"][-1] / steps, table["time_forces"][-1] / steps, done.memory_mb
+
+
 def step_time(folder, script, options, out, limit=None):
     """(median CPU seconds of a step, peak MiB) of a run in a tree."""
-    done = run_case(script, options, out=out, limit=limit, cwd=folder)
-    if not done.ok:
-        raise BadInput(done.reason)
+    done = finished(run_case(script, options, out=out, limit=limit, cwd=folder))
     found = re.search(r"^bench median (\S+) mean (\S+)$", done.log, flags=re.M)
     if not found:
         raise BadInput(f"{script} ended before its last timed step")

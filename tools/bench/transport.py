@@ -9,12 +9,12 @@ import sys
 
 import numpy as np
 
-from tools import bench_transport
 from tools.bench.rounds import Job
-from tools.bench.scenes import OURS, finished
+from tools.bench.scenes import OURS
+from tools.bench.timed import carried_step
 from tools.peers.with_scipy import DENSITY, END, NUMBER, RADIUS, SPREAD, START_X, start
 from tools.run_folder import RunFolder
-from tools.runner import reported, run_case, run_command
+from tools.runner import finished, reported, run_case, run_command
 
 STEPS = [0.02, 0.005, 0.00125]  # s
 
@@ -58,7 +58,7 @@ def by_suite(level, out):
 
 
 def step_cost(number, steps, out):
-    flow, forces, memory = bench_transport.measure(number, steps, 0, out)
+    flow, forces, memory = carried_step(number, steps, 0, out)
     return {"unknowns": number, "step_s": flow + forces, "memory_mb": memory}
 
 

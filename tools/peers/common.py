@@ -35,7 +35,7 @@ def asked(problems, levels=3):
 
 
 def report(begin, unknowns, **numbers):
-    """The line for tools.bench_flow; begin: time.process_time() after the imports."""
+    """The line for tools.bench; begin: time.process_time() after the imports."""
     print(json.dumps({"unknowns": int(unknowns), "cpu_s": time.process_time() - begin, **{k: float(v) for k, v in numbers.items()}}))
 
 
