@@ -14,6 +14,7 @@ from typing import Callable
 import numpy as np
 
 from tools.command import BadInput
+from tools.convergence import pareto
 
 
 @dataclass
@@ -144,12 +145,8 @@ def collect(samples):
 
 def front(points):
     """(log cost, log error) of the points that no cheaper one of the same program beats, by rising cost."""
-    best, kept = math.inf, []
-    for cost, error in sorted((p.cost, p.error) for p in points if p.cost > 0 and p.error > 0 and math.isfinite(p.cost * p.error)):
-        if error < best:
-            best = error
-            kept.append((math.log(cost), math.log(error)))
-    return np.array(kept).reshape(-1, 2)
+    both = np.array([(p.cost, p.error) for p in points if p.cost > 0 and p.error > 0 and math.isfinite(p.cost * p.error)]).reshape(-1, 2)
+    return np.log(both[pareto(*both.T)])
 
 
 def ratio_at_equal_error(mine, other):

@@ -22,7 +22,7 @@ import numpy as np
 
 from tools.command import BadInput, positive
 from tools.meshing.labels import LABELS
-from tools.meshing.plane_mesh import finished
+from tools.meshing.plane_mesh import finished, signed_areas
 from tools.meshing.unstructured import extracted, with_gmsh
 
 KINDS = (".geo", ".msh")
@@ -54,8 +54,7 @@ def proportional(gmsh, scale, factor, size):
     gmsh.model.mesh.clear()  # of commands Mesh of the script
     gmsh.model.mesh.generate(2)
     points, triangles, _ = extracted(gmsh, [-1])
-    first, second = (points[triangles[:, k], :2] - points[triangles[:, 0], :2] for k in (1, 2))
-    areas = 0.5 * abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+    areas = abs(signed_areas(points[:, :2], triangles))
     if not len(areas):
         return
     largest = scale * np.sqrt(4 / np.sqrt(3) * np.quantile(areas, 0.95))
