@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from conftest import ROOT
+from tools import bench_contacts, plotting
 from tools.bench import __main__ as bench
 from tools.bench import skip
 from tools.bench.figure import draw
@@ -166,3 +167,14 @@ def test_a_limit_that_is_no_time_is_refused():
         with pytest.raises(SystemExit) as caught:
             bench.parser().parse_args(["--limit", word])
         assert caught.value.code == 3
+
+
+def test_times_of_contacts_within_a_decade_have_numbers_at_their_axis(tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(plotting, "save", lambda figure, path: drawn.append(figure))
+    bench_contacts.picture([{"disks": 50, "kind": "random", "solver": solver, "tolerance": 1e-8, "cpu_s": cpu} for solver, cpu in (("newton", 0.002), ("uzawa", 0.004))], tmp_path)
+    drawn[0].canvas.draw()
+    axes, = drawn[0].axes
+    low, high = axes.get_ylim()
+    assert sum(bool(tick.get_text()) and low <= tick.get_position()[1] <= high for tick in axes.get_yticklabels(which="both")) > 1
+    plotting.plt.close(drawn[0])

@@ -196,7 +196,7 @@ def picture(found, folder):
         axes.set(xlabel="disks", title=f"residual {tol:.0e} of a mean radius")
         numbers = sorted({row["disks"] for row in found})
         axes.set_xticks(numbers, [f"{n:,}" for n in numbers])
-        axes.minorticks_off()
+        axes.xaxis.minorticks_off()
         axes.grid(True)
     panels[0][0].set_ylabel("CPU time on one core (s)")
     handles, labels = panels[0][0].get_legend_handles_labels()
