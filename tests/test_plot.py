@@ -562,3 +562,12 @@ def test_carried_particles_without_a_mesh_have_their_walls_their_units_and_no_sp
     assert [axes.get_title() for axes in figures[2].axes] == ["t = 10.0 ms: 1 inside", "t = 30.0 ms: 1 inside"]
     for figure in figures:
         plt.close(figure)
+
+
+def test_a_run_of_contacts_without_a_row_of_its_motion_is_refused(tmp_path):
+    """It has begun and was cut off: rows of particles and contacts may be there before the first of motion.csv."""
+    write_csv(tmp_path / "particles.csv", "t id x y theta u v radius".split(), [[0.1, 0, 0, 1, 0, 0, -1, 0.5]])
+    write_csv(tmp_path / "contacts.csv", "t i j gap nx ny impulse".split(), [[0.1, 0, -1, 0, 0, 1, 2]])
+    write_csv(tmp_path / "motion.csv", "step t kinetic_energy potential_energy worst_gap".split(), [])
+    with pytest.raises(BadInput, match="motion.csv has no rows"):
+        plot_contacts.main([str(tmp_path)])

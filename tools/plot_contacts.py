@@ -269,6 +269,8 @@ def main(words=None):
     run = ContactRun(given.run)
     if not run.has("motion"):
         raise BadInput(f"{given.run} is no run of contacts alone (it has no motion.csv); python -m tools.plot draws the others")
+    if not len(run.columns("motion")["t"]):
+        raise BadInput(f"{run.folder / 'motion.csv'} has no rows: nothing to draw")
     for t in given.times or []:
         if not run.times[0] - 1e-9 <= t <= run.times[-1] * (1 + 1e-9):
             raise BadInput(f"--times: {t:g} is not between {run.times[0]:g} and {run.times[-1]:g} {run.units['time']}, the end of the run")
