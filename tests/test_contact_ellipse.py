@@ -332,3 +332,17 @@ def test_a_light_thin_ellipse_that_a_heavy_one_strikes_into_a_corner_finds_its_p
     assert np.hypot(c * x + s * y, (c * y - s * x) / 0.3).min() > 1 - 1e-6
     energy = [sum(m * (v[0]**2 + v[1]**2) for m, v in zip(mass, motion)) for motion in (speed, found)]
     assert energy[1] < energy[0] and (press[:, 2] >= 0).all()
+
+
+@pytest.mark.parametrize("held", [False, True])
+@pytest.mark.parametrize("turn, height, fall, spin", [(0.3, 0.4, -1.7, 0.2), (3.0, 0.7, -2.0, -1.3), (0.4, 0.6, -1.4, -1.4), (2.7, 1.0, -1.7, -0.7)])
+def test_a_thin_ellipse_does_not_go_through_a_wall_or_a_body_in_one_step(freefem_text, turn, height, fall, spin, held):
+    """Gaps were linearised again where it had come to, beyond the wall, from where the wall pushed it on: the run went on without a word."""
+    bodies, mass, speed = [(0.0, height, turn, 1.0, 0.1)], [1.0], [(0.0, fall, spin)]
+    if held:  # instead of the wall a held ellipse, whose upper side lies there
+        bodies, mass, speed = [*bodies, (0.0, -0.3, 0.0, 3.0, 0.1)], [1.0, -1.0], [*speed, (0.0, 0.0, 0.0)]
+    out = freefem_text(scene(bodies, [] if held else [(-9.0, 0.0, 9.0, 0.0)], mass, [0.2525, 1.0][:len(mass)], speed, more=PROJECT.replace("DT", "1"))).stdout
+    u, v, w = rows(out, "speed")[0]
+    points = outline(u, height + v, turn + w, 1.0, 0.1, np.linspace(0, 2 * np.pi, 2001))
+    floor = np.where(np.abs(points[0]) < 3, 0.3 * np.sqrt(np.maximum(0, 1 - (points[0] / 3)**2)) - 0.3, -np.inf) if held else 0
+    assert (points[1] - floor).min() > -1e-7
