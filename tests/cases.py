@@ -31,6 +31,7 @@ CASES = {
     "sheared_suspension": ["-tend", "0.1"],
     "rotating_cylinder": ["-tend", "0.01"],
     "oscillating_cylinder": ["-tend", "0.1"],
+    "sprung_cylinder": ["-tend", "0.2"],
     "ellipse_in_shear": ["-tend", "0.1"],
     "segre_silberberg": ["-tend", "2"],
 }

@@ -225,11 +225,14 @@ BAD = [
     (["box_corridor", "--corridor-width", 3], "not within the box"),
     (["box_corridor", "--corridor-bottom", 5, "--corridor-top", 4], "not upwards within the box"),
     (["box_corridor", "--corridor-top", 7], "not upwards within the box"),
+    (["sprung_cylinder", "--stroke", 5.5], "not within 20 x 12"),
+    (["sprung_cylinder", "--size", 0.5], "too large for the place of the body"),
+    (["sprung_cylinder", "--coarse-factor", 0.5], "at least 1"),
     (["cavity", "--size", 1e-7], "vertices"),
     (["backward_step", "--stretch", 0.97], "must be at least 1"),
     (["sudden_expansion", "--stretch", 0.97], "must be at least 1"),
     (["cavity", "--size", 1e-300], "vertices"),  # refused by its number, before any array
-    *(([case, "--size", 1e-15], "vertices") for case in ("box", "box_corridor", "backward_step", "sudden_expansion", "couette")),
+    *(([case, "--size", 1e-15], "vertices") for case in ("box", "box_corridor", "backward_step", "sudden_expansion", "couette", "sprung_cylinder")),
     (["backward_step", "--size", 1], "too large"),
     (["sudden_expansion", "--ratio", 1], "larger than 1"),
 ]

@@ -5,13 +5,15 @@ import subprocess
 import sys
 import types
 
+import numpy as np
 import pytest
 
 from tests.synthetic import ROOT, write_csv
 from tools import validate
 from tools.command import BadInput
 from tools.run_folder import RunFolder
-from tools.validation import Context, Failed, Run, discover, judge, settling_disk, suspension
+from tools.tables import read_table
+from tools.validation import Context, Failed, Run, discover, judge, settling_disk, sprung_cylinder, suspension
 
 
 def read_report(folder):
@@ -161,3 +163,29 @@ def test_the_viscosity_of_one_disk_is_found(tmp_path):
     """The rows of its run were too far apart for the window of its mean."""
     found, _ = suspension.single(Context("suspension", tmp_path), 0.2, 8)
     assert found == pytest.approx(suspension.FITTED[0.2], rel=0.1)  # 3 elements across
+
+
+def test_swings_are_measured_over_whole_periods():
+    """A sine with an offset that grows in before, and one too short; the period kept of the body-fitted computation lies near its limit."""
+    t = np.linspace(0, 20, 801)
+    found = sprung_cylinder.swings(t, 6 + 0.02 * np.sin(4 * np.pi * t / 6), 6 + 0.5 * np.minimum(1, t / 5) * np.sin(2 * np.pi * (t - 1) / 6))
+    assert found == pytest.approx((0.5, 1 / 6, 0.5), rel=2e-3)
+    with pytest.raises(Failed, match="1 full periods instead of 2"):
+        sprung_cylinder.swings(t[:400], t[:400], 6 + np.sin(2 * np.pi * t[:400] / 6 - 1))
+    kept = read_table(ROOT / "tests" / "reference" / "sprung_cylinder_body_fitted.csv")
+    assert sprung_cylinder.swings(kept["t"], kept["x"], kept["y"], 1) == pytest.approx(sprung_cylinder.FITTED, rel=0.01)
+
+
+def test_the_body_fitted_cylinder_on_springs_goes_on_where_it_was_saved(freefem, tmp_path):
+    """Its path in one run and in two, a step of first order apart."""
+    script, mesh = ROOT / "tools" / "body_fitted" / "sprung_cylinder.edp", tmp_path / "coarse.mesh"
+    subprocess.run([sys.executable, "-m", "tools.mesh", "cylinder_channel", *"--length 20 --height 12 --radius 0.5 --centre 6 6 --size 1.5 --growth 0.5 --circle-points 16".split(),
+                    "--out", mesh], cwd=ROOT, check=True)
+    freefem(script, "-mesh", mesh, "-tend", 2.4, "-out", tmp_path / "whole.csv")
+    freefem(script, "-mesh", mesh, "-tend", 1.2, "-save", tmp_path / "state")
+    freefem(script, "-mesh", mesh, "-tend", 2.4, "-start", tmp_path / "state", "-out", tmp_path / "rest.csv")
+    whole, rest = read_table(tmp_path / "whole.csv"), read_table(tmp_path / "rest.csv")
+    assert rest["t"][0] == pytest.approx(1.2) and len(rest["t"]) == 17
+    assert whole["y"][0] == 6.4 and whole["y"][-1] < 6
+    for name in "xy":
+        np.testing.assert_allclose(rest[name], whole[name][16:], atol=2e-3)

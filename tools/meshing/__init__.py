@@ -13,6 +13,7 @@ from tools.meshing import (
     own,
     periodic_box,
     pipe,
+    stream,
     sudden_expansion,
 )
 
@@ -39,6 +40,7 @@ CASES = {
     "rotating_cylinder": (box, {"width": 1.0, "height": 1.0, "size": 1 / 22}),
     "oscillating_cylinder": (box_corridor, {"width": 16.0, "height": 16.0, "size": 1 / 12, "corridor_position": 8.0, "corridor_width": 3.0, "corridor_bottom": 6.0, "corridor_top": 10.0,
                                             "coarse_factor": 8.0, "growth": 0.15, "pattern": "alternating"}),
+    "sprung_cylinder": (stream, {}),
     "poiseuille": (channel, {"size": 1 / 8}),
     "cylinder_between_plates": (channel, {"length": 8.0, "size": 1 / 16}),
     "taylor_green": (periodic_box, {}),
