@@ -554,6 +554,17 @@ def test_the_published_scheme_turns_a_disk_in_shear_by_either_indicator(freefem_
     assert found["centre"]["theta"][-1] == pytest.approx(np.sum(found["centre"]["omega"]) * 0.02, rel=1e-6)
 
 
+@pytest.mark.parametrize("kind", ["centre", "levelset", "smooth"])
+def test_the_published_scheme_lets_a_heavy_disk_fall_freely(kind, freefem_text, tmp_path):
+    """Ten thousand times as dense as the fluid, which bears some 1e-4 of its weight; whatever the indicator makes of the edge."""
+    text = case("bodyDisk(0.51, 0.72, 0.15, 1e4);", mu=0.001, gravity=-2)
+    freefem_text(text, "-scheme", "published", "-indicator", kind, "-convection", 0, "-dt", 0.02, "-every", 0, "-tend", 0.04, "-out", tmp_path / "run")
+    rows = RunFolder(tmp_path / "run").particles
+    steps = np.arange(1, 3)
+    assert rows["v"] == pytest.approx(-2 * 0.02 * steps, rel=5e-3) and abs(rows["omega"]).max() < 5e-3
+    assert rows["y"] == pytest.approx(0.72 - 2 * 0.02**2 * steps * (steps + 1) / 2, abs=1e-5)
+
+
 @pytest.mark.parametrize("case, words", [("rotating_cylinder", ["-omega", 0]), ("rotating_cylinder", ["-forces", 0]), ("cylinder_array", ["-forces", 0]),
                                          ("cylinder_between_plates", ["-forces", 0]), ("oscillating_cylinder", ["-forces", 0]), ("oscillating_cylinder", ["-kc", 0.01, "-dt", 0.01])])
 def test_cases_say_nothing_of_forces_that_they_do_not_have(case, words, freefem, tmp_path):
