@@ -264,6 +264,25 @@ cout << "steps " << contactIterations << endl;
     np.testing.assert_allclose(results[0], results[1], atol=1e-9)
 
 
+@pytest.mark.parametrize("walls, step, says", [
+    ("contactWallSegment(0, log(-1.), 1, 0);", "", "its ends must be numbers"),
+    ("contactWallSegment(0, 0, 1, 0);", "contactWallVelocity(7, 0, 1);", "there is no such wall"),  # moved nothing, in silence
+    ("contactWallSegment(0, 0, 1, 0);", "contactWallVelocity(0, 0, log(-1.));", "is no number"),  # ended with status 0, its wall nowhere
+])
+def test_walls_of_no_numbers_and_walls_that_there_are_not_are_refused(freefem_text, tmp_path, walls, step, says):
+    done = freefem_text(f"""include "lib/output.idp"
+include "lib/bodies.idp"
+include "lib/walls.idp"
+optCase("walls", "a disk and a wall");
+real gravityX = 0, gravityY = -1;
+macro caseParticles() bodyDisk(0.5, 0.5, 0.1, 1); // EOM
+macro caseWalls() {walls} // EOM
+macro caseStep() {step} // EOM
+include "scripts/contacts.edp"
+""", "-tend", 0.05, "-dt", 0.01, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and says in done.stderr and len(done.stderr.strip().splitlines()) == 1
+
+
 def test_walls_from_a_mesh_are_merged(freefem_text):
     done = freefem_text("""
 include "lib/walls.idp"

@@ -111,6 +111,12 @@ def test_a_body_that_is_not_there_cannot_be_given_a_motion(freefem_text, tmp_pat
     assert done.returncode == 3 and "particle 1, which there is not" in done.stderr and len(done.stderr.strip().splitlines()) == 1
 
 
+def test_a_motion_that_is_no_number_is_refused(freefem_text, tmp_path):
+    text = scene("bodyAdd(0.5, 0.5, 0.16, 1, 0, 0, 0, 0);", "givenMotion(0, (now > 0.015 ? log(-1.) : 0.1), 0, 0);")
+    done = freefem_text(text, "-tend", 0.05, "-dt", 0.01, "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and "gives particle 0 is no number" in done.stderr and len(done.stderr.strip().splitlines()) == 1
+
+
 HELD = """include "lib/bodies.idp"
 optCase("held", "a disk held in a periodic channel");
 optDefault("-mesh", "meshes/couette_disk.mesh");
