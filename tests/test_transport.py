@@ -660,6 +660,14 @@ def test_a_drag_law_beyond_its_range_is_told_of_once(freefem, tmp_path):
     assert "is known up to 300000" not in freefem(SCRIPT, "-out", tmp_path / "slow", *words, 10).stdout
 
 
+def test_a_constant_drag_far_below_its_range_is_told(freefem, tmp_path):
+    """Grains of 20 micrometres fell ninety times faster than Stokes's law says, without a word."""
+    words = ("-radius", 1e-5, "-dt", 0.01, "-tend", 0.05)
+    assert freefem(SCRIPT, "-out", tmp_path / "constant", *words).stdout.count("take -drag schiller-naumann") == 1
+    assert "take -drag" not in freefem(SCRIPT, "-out", tmp_path / "fitted", *words, "-drag", "schiller-naumann").stdout
+    assert "take -drag" not in freefem(SCRIPT, "-out", tmp_path / "large", "-radius", 0.01, *words[2:]).stdout
+
+
 def test_a_flow_without_k_and_epsilon_has_no_fluctuations(freefem_text, freefem_refused, tmp_path):
     """They were 0, without a word."""
     words = ["-mesh", ROOT / "meshes/pipe_obstacles.mesh", "-dt", 0.01, "-tend", 0.02, "-out", tmp_path / "run"]
