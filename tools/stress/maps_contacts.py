@@ -1,4 +1,4 @@
-"""Stability maps of contacts alone: stacks, size ratio, disks larger than the neck."""
+"""Stability maps of contacts alone: stacks, size ratio, lattices, disks larger than the neck."""
 import numpy as np
 
 from tools.stress.cells import Axis, Cell, Map
@@ -58,6 +58,13 @@ def neck(dt, share):
     return Cell(GLASS, options, checks, rest_error, "own", 1e-4)
 
 
+def lattice(number, dt):
+    """So many equal disks, a lattice whose contacts are redundant, start to run through the neck."""
+    radius = 0.3 / number**0.5
+    options = {"-number": number, "-radius": radius, "-spread": 0, "-neck": 8 * radius, "-dt": dt, "-tend": 0.4, "-every": dt}
+    return Cell(GLASS, options, fall_bounds(2.0, 0.4), balance_error, "own", 1e-6)
+
+
 def rest_error(run):
     """Kinetic energy at the end over its peak."""
     kinetic = run.table("motion")["kinetic_energy"]
@@ -75,6 +82,10 @@ MAPS = [
         "energy rises by less than 1e-8 of its peak in a step, momentum is kept to 1e-8",
         {"stable": "a smaller -contact-tol", "stopped": "-contact-tol 1e-10: equal disks form lattices with more contacts than needed", "late": "a larger -dt",
          "overlap": "a smaller -contact-overlap"}, (2, 0.02)),
+    Map("lattice", "Equal disks as a lattice, contacts alone", Axis("disks", "", [50, 200, 500], [50]),
+        Axis("time step", "s", [0.004, 0.016], [0.004, 0.016]), lattice,
+        "energy rises by less than 1e-6 of its peak in a step, momentum is kept to 1e-6",
+        {"stable": "a smaller -contact-tol", "overlap": "a smaller -contact-overlap", "stopped": "a -spread above 0", "late": "a -spread above 0"}, (200, 0.004)),
     Map("neck", "Disks larger than the neck, contacts alone", Axis("time step", "s", [0.001, 0.004, 0.016, 0.05], [0.004]),
         Axis("neck / diameter", "", [0.25, 0.5, 0.9, 0.99], [0.9]), neck,
         "at rest: kinetic energy below 1e-4 of its peak after 1 s",
