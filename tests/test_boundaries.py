@@ -167,7 +167,7 @@ def test_a_plane_of_symmetry_that_is_no_plane_is_refused(freefem_text, tmp_path)
     mesh = tmp_path / "ring.mesh"
     text = ring(mesh) + case("bodyDisk(0, 0.7, 0.12, 2);", walls="labelWall", slip="labelCylinder")
     done = freefem_text(text, "-mesh", mesh, "-tend", 0.01, "-out", tmp_path / "run", check=False)
-    assert done.returncode == 3 and "label 6" in done.stderr and "horizontal or vertical" in done.stderr and len(done.stderr.strip().splitlines()) == 1
+    assert done.returncode == 3 and "label 6" in done.stderr and "horizontal or upright" in done.stderr and len(done.stderr.strip().splitlines()) == 1
 
 
 @pytest.mark.parametrize("walls, slip, along", [("labelLeft, labelRight, labelBottom, labelTop", "", "y"), ("labelLeft, labelRight", "labelBottom, labelTop", "y"),
