@@ -1,5 +1,6 @@
 """A stream through an open rectangle, graded to the place where a body moves up and down and to its wake."""
-from tools.meshing.options import add_length, add_size, non_negative, number, require, require_cells
+from tools.command import non_negative, number
+from tools.meshing.options import add_length, add_size, require, require_cells
 from tools.meshing.outline import rectangle
 from tools.meshing.unstructured import SizeNear, triangulated
 
