@@ -103,10 +103,11 @@ def test_every_case_is_in_the_list():
 
 def test_labels_of_python_and_freefem_agree(freefem_text):
     names = ["label" + name.capitalize() for name in LABELS]
-    lines = "".join(f'cout << "{name} " << {name} << endl;\n' for name in names)
+    lines = "".join(f'cout << "{name} " << {name} << endl << labelName({name}) << endl;\n' for name in names)
     printed = freefem_text('include "lib/labels.idp"\n' + lines).stdout
     assert dict(re.findall(r"(label\w+) (\d+)", printed)) == dict(zip(names, map(str, LABELS.values())))
-    assert set(re.findall(r"\b(label[A-Z]\w*) =", (ROOT / "lib/labels.idp").read_text())) == set(names)
+    assert re.findall(r"label (\d+) \((\w+)\)", printed) == [(str(number), name) for name, number in LABELS.items()]
+    assert set(re.findall(r"\b(label[A-Z]\w*) = \d", (ROOT / "lib/labels.idp").read_text())) == set(names)
 
 
 # The set-up, in a copy of what it needs, with stand-ins for the system's programs.
