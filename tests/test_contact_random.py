@@ -23,7 +23,7 @@ for (int k = 0; k < scenes; ++k) {
     real[int] px(n), py(n), r(n), aspect(n), turn(n), mass(n), moment(n), u(n), v(n), w(n);
     int[int] id = 0:n - 1;
     for (int i = 0; i < n; ++i) f >> px[i] >> py[i] >> r[i] >> aspect[i] >> turn[i] >> mass[i] >> moment[i] >> u[i] >> v[i] >> w[i];
-    contactWallsClear();
+    contactWallsKeep(0);
     for (int i = 0; i < walls; ++i) { f >> a >> b >> c >> d >> e >> g; contactWallSegment(a, b, c, d); contactWallVelocity(i, e, g); }
     contactPeriodic(0, -50, period, 0);
     contactListRange = -1; contactMemory.resize(0);
