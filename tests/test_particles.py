@@ -322,6 +322,37 @@ def test_drag_in_a_periodic_array_is_the_same_everywhere(freefem, tmp_path):
     assert found[1] == pytest.approx(found[0], rel=1e-4)
 
 
+ARRAY = """include "lib/options.idp"
+optCase("array", "an array of free disks that settle");
+real rhoFluid = 1, mu = 1, gravityX = 0.6, gravityY = -0.8, radius = sqrt(0.2/pi), density = 2;
+include "lib/labels.idp"
+int[int] flowNoSlip(0), flowMoving(0), flowOutlet(0), flowSlip(0);
+macro flowSpaces() fespace Wh(Th, P2, periodic = [[labelLeft, y], [labelRight, y], [labelBottom, x], [labelTop, x]]);
+    fespace Qh(Th, P1, periodic = [[labelLeft, y], [labelRight, y], [labelBottom, x], [labelTop, x]]); // EOM
+macro flowPeriodicLabels() [labelLeft, labelRight, labelBottom, labelTop] // EOM
+macro flowForceX() (-0.2*(density - rhoFluid)*gravityX) // EOM
+macro flowForceY() (-0.2*(density - rhoFluid)*gravityY) // EOM
+real flowPeriodX = 1, flowPeriodY = 1, motionBound = 1e30;
+func real boundaryRamp(real t) { return 1; }
+macro caseParticles() bodyDisk(0.503, 0.507, radius, density); // EOM
+real[int] mean(2);
+macro caseStep() {
+    real[int] u = flowM'*flowU, v = flowM'*flowV;
+    mean = [u.sum/Th.measure, v.sum/Th.measure];
+} // EOM
+include "scripts/resolved.edp"
+cout << "slip " << bodyAtU(0) - mean[0] << " " << bodyAtV(0) - mean[1] << endl;
+"""
+
+
+def test_an_array_of_free_disks_settles_by_its_drag(freefem_text, tmp_path):
+    """Sangani & Acrivos, as above: their weight less buoyancy is 51.53 mu times their velocity over the mean, whatever its direction."""
+    done = freefem_text(ARRAY, "-mesh", "meshes/cylinder_array.mesh", "-dt", 0.002, "-tend", 0.4, "-every", 0, "-convection", 0, "-tolerance", 1e-8, "-out", tmp_path / "run")
+    slip = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("slip")).split()[1:]]
+    assert np.hypot(*slip) == pytest.approx(0.2 / 51.53, rel=0.005)
+    assert slip[0] / slip[1] == pytest.approx(-0.75, rel=1e-3)
+
+
 def test_a_run_repeated_gives_the_same_file(freefem, tmp_path):
     for name in ("one", "two"):
         freefem("cases/drafting_kissing_tumbling.edp", "-tend", "0.003", "-out", tmp_path / name)
