@@ -15,7 +15,7 @@ from math import cos, pi, sin, sqrt
 from tools.command import number, positive, whole
 from tools.meshing.options import add_length, require
 from tools.meshing.outline import Outline, rectangle
-from tools.meshing.unstructured import SizeNear, triangulated
+from tools.meshing.unstructured import SizeNear, triangulated, wake
 
 
 ZETA_3 = 1.2020569031595942  # sum of 1/m^3
@@ -49,16 +49,5 @@ def build(options):
     angles = [2 * pi * k / o.circle_points for k in range(o.circle_points)]
     circle = [(x + rp * cos(angle), y + rp * sin(angle), "cylinder") for angle in angles]
     outline = Outline(rectangle(0, o.length, 0, o.height, "wall", "outlet", "wall", "inlet").loops + [circle])
-    near = [SizeNear(outline.segments("cylinder"), side)] + wake(o, x + rp, y, side)
+    near = [SizeNear(outline.segments("cylinder"), side)] + wake(x + rp, o.length, y, side * o.wake_factor, o.wake_growth, 1.4 * o.radius, o.size)
     return outline, triangulated(outline, o.size, near, o.growth, single=["cylinder"])
-
-
-def wake(o, x, y, side):
-    """Pieces along the wake, each a little coarser than the one before."""
-    pieces, number = [], 8
-    for k in range(number):
-        start, end = (x + (o.length - x) * part / number for part in (k, k + 1))
-        size = side * o.wake_factor + o.wake_growth * (start - x)
-        if size < o.size:
-            pieces.append(SizeNear([((start, y), (end, y))], size, 1.4 * o.radius))
-    return pieces

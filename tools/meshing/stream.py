@@ -2,9 +2,7 @@
 from tools.command import non_negative, number
 from tools.meshing.options import add_length, add_size, require, require_cells
 from tools.meshing.outline import rectangle
-from tools.meshing.unstructured import SizeNear, triangulated
-
-PIECES = 8  # of the wake, each a little coarser than the one before
+from tools.meshing.unstructured import SizeNear, triangulated, wake
 
 
 def add_options(parser):
@@ -29,7 +27,5 @@ def build(options):
     require(o.coarse_factor >= 1, "--coarse-factor must be at least 1")
     outline = rectangle(0, o.length, 0, o.height, "bottom", "outlet", "top", "inlet")
     near = [SizeNear([((x, y - o.stroke), (x, y + o.stroke))], o.size, o.reach)]
-    for k in range(PIECES):
-        start, end = (x + (o.length - x) * part / PIECES for part in (k, k + 1))
-        near.append(SizeNear([((start, y), (end, y))], o.size * min(o.coarse_factor, o.wake_factor + o.wake_growth * (start - x)), o.wake_width / 2))
+    near += wake(x, o.length, y, o.size * o.wake_factor, o.size * o.wake_growth, o.wake_width / 2, o.size * o.coarse_factor)
     return outline, triangulated(outline, o.size * o.coarse_factor, near, o.growth)

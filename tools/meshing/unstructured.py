@@ -26,6 +26,14 @@ class SizeNear:
     reach: float = 0.0
 
 
+def wake(start, end, y, size, growth, reach, coarsest, number=8):
+    """Pieces along a wake from x = start to end, each a little coarser than the one before: size at the start, plus growth times the
+    distance from there, within `reach` of the line. Those that are no finer than `coarsest` are left out."""
+    edges = [start + (end - start) * part / number for part in range(number + 1)]
+    pieces = [SizeNear([((a, y), (b, y))], size + growth * (a - start), reach) for a, b in zip(edges, edges[1:])]
+    return [piece for piece in pieces if piece.size < coarsest]
+
+
 def triangulated(outline, size, near=(), growth=0.2, uniform=(), single=()):
     """A mesh of the outline: elements of `size`, finer near some lines.
 
