@@ -3,7 +3,9 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from scipy.optimize import linprog
 
+from tools.command import BadInput
 from tools.contact_problems import Scene, box, constraints, packing, project, qp_piqp, residual, scaled
 
 FEW = settings(max_examples=12, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
@@ -130,3 +132,20 @@ def test_masses_of_one_to_ten_million_at_thirty_radii_a_step_are_solved(seed):
     other = q0 + matrix.T @ np.maximum(qp_piqp(scene, rows, dt, 1e-10), 0) / weight
     assert (matrix @ q + d).min() > -1e-7
     assert (weight * (q - other)**2).sum() < 1e-12 * (weight * q0**2).sum()
+
+
+@pytest.mark.parametrize("squeeze", [1e-5, 1e-7])
+def test_a_lattice_that_is_squeezed_by_little_is_said_to_have_no_room(squeeze):
+    """Its upper row is pushed down by so many radii. Below 1e-5 this was searched for a motion for 200,000 steps, which "did not converge"."""
+    scene, dt = lattice(5, "box", 0), 0.01
+    scene.mass = 10 ** np.random.default_rng(1).uniform(-1.5, 1.5, len(scene.mass))
+    top = scene.x[:, 1] > scene.x[:, 1].max() - 0.005
+    scene.mass[top], scene.velocity[:] = -1, 0
+    scene.velocity[top] = [0, -squeeze]
+    rows = constraints(scene, scene.reach(dt) + 1e-6)
+    matrix, d, weight, q0 = scaled(rows, scene, dt)
+    bounds = [(q, q) if w == np.inf else (None, None) for q, w in zip(q0, weight)]
+    least = linprog(np.r_[np.zeros(len(q0)), 1], np.hstack([-matrix.toarray(), -np.ones((len(d), 1))]), d, bounds=[*bounds, (None, None)])
+    assert least.fun > 0.1 * squeeze  # the least of the largest overlaps, in radii, that any motion leaves
+    with pytest.raises(BadInput, match="leaves a body no room: no motion satisfies the contacts"):
+        project(scene, dt, options={"-contact-maxit": 2000})

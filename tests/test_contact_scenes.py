@@ -219,3 +219,15 @@ def test_a_piston_goes_down_till_the_disks_under_it_have_no_room(contacts, tmp_p
     assert done.returncode == 4 and "leaves a body no room: no motion satisfies the contacts" in done.stderr
     motion, need = read_table(tmp_path / "run" / "motion.csv"), 0.2 + 4 * 0.03**0.5
     assert need <= 1.203 - motion["t"][-1] < need + 0.01 and min(motion["worst_gap"]) > -1e-9
+
+
+def test_disks_of_many_sizes_and_weights_under_a_piston_jam_in_so_many_words(contacts):
+    """In their last step they lack less than a thousandth of a radius, which shows in how the pushes grow: the run ended with "did not converge" after 200,000 steps."""
+    places = [(0.125837, 0.13), (0.384978, 0.13), (0.633323, 0.13), (0.125368, 0.38), (0.380675, 0.38), (0.631093, 0.38), (0.125069, 0.63), (0.376791, 0.63), (0.626649, 0.63),
+              (0.129620, 0.88), (0.380670, 0.88), (0.629519, 0.88)]
+    radii = [0.09964, 0.04384, 0.07058, 0.05622, 0.04678, 0.05743, 0.06042, 0.07527, 0.08746, 0.03681, 0.04903, 0.07462]
+    weights = [6.6, 5.3, 0.34, 29, 3.2, 0.55, 0.032, 2.6, 0.11, 19, 0.47, 9.7]
+    bodies = " ".join(f"bodyDisk({x}, {y}, {r}, {m});" for (x, y), r, m in zip(places, radii, weights))
+    walls = "contactWallSegment(0, 0, 0.76, 0); contactWallSegment(0, -1, 0, 5); contactWallSegment(0.76, -1, 0.76, 5); contactWallVelocity(contactWallSegment(0, 1.23, 0.76, 1.23), 0, -1);"
+    done = contacts(bodies, walls, "-dt", 0.01, "-tend", 1.2, gravity=-10, check=False)
+    assert done.returncode == 4 and "leaves a body no room: no motion satisfies the contacts" in done.stderr
