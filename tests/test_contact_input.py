@@ -162,6 +162,7 @@ BOX, NEXT = ring((0, 0), (1, 0), (1, 1), (0, 1)), ["1,0,2,0", "2,0,2,1", "2,1,1,
     (BOX + ["0.5,0,0.5,1"], [(0.3, 0.5), (0.7, 0.5)], None),  # a partition
     (BOX + NEXT, [(0.3, 0.5), (3, 3), (4, 3)], "particle 0 stands inside an obstacle"),
     (square(0, 4) + square(1, 3), [(0.5, 0.5), (2, 2), (0.5, 3.5)], "particle 1 stands inside an obstacle"),
+    (square(0, 4) + square(1, 3), [(0.5, 0.5), (2, 2)], "particle 1 stands inside an obstacle"),  # one of two: the one in the box stands right
     (square(0, 4) + square(1, 3), [(2, 2), (5, 5), (6, 6)], None),  # in the hole of a ring, and around it
     (square(0, 9) + square(1, 4) + square(2, 3), [(0.5, 0.5), (2.5, 2.5), (5, 5), (1.5, 2.5)], "particle 3 stands inside an obstacle"),
     (TRIANGLE, [(0.5, 0.35), (3, 3), (4, 3)], "particle 0 stands inside an obstacle"),

@@ -231,3 +231,9 @@ def test_disks_of_many_sizes_and_weights_under_a_piston_jam_in_so_many_words(con
     walls = "contactWallSegment(0, 0, 0.76, 0); contactWallSegment(0, -1, 0, 5); contactWallSegment(0.76, -1, 0.76, 5); contactWallVelocity(contactWallSegment(0, 1.23, 0.76, 1.23), 0, -1);"
     done = contacts(bodies, walls, "-dt", 0.01, "-tend", 1.2, gravity=-10, check=False)
     assert done.returncode == 4 and "leaves a body no room: no motion satisfies the contacts" in done.stderr
+
+
+def test_a_disk_let_go_at_rest_meets_the_floor_in_one_long_ballistic_step(contacts):
+    """It is looked after as far as its weight brings it, not its velocity alone."""
+    folder = contacts("bodyDisk(0, 0.12, 0.1, 1);", "contactWallSegment(-1, 0, 1, 0);", "-dt", 0.1, "-tend", 0.1, "-contact-form", "ballistic", gravity=-10)
+    assert read_table(folder / "particles.csv")["y"][-1] == pytest.approx(0.1, abs=1e-9)
