@@ -264,7 +264,7 @@ def test_frames_forget_bodies_that_have_left(channel, freefem_text, tmp_path):
     assert rows[-1, 1] == 0 and rows[-1, 2] == 0
 
 
-def test_who_counts_as_near_in_a_blow_does_not_hang_on_the_axes(freefem_text, tmp_path):
+def test_who_counts_as_near_in_an_impact_does_not_hang_on_the_axes(freefem_text, tmp_path):
     """One disk is thrown at another beside a third, in a box that is turned; how far off neighbours were asked went by the jumps along x and y."""
     found = []
     for angle in (0, 45):

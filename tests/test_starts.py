@@ -1,4 +1,4 @@
-"""Starts at which bodies and fluid do not fit together, blows between light and heavy bodies, and bodies that are none of each other's business."""
+"""Starts at which bodies and fluid do not fit together, impacts between light and heavy bodies, and bodies that are none of each other's business."""
 import numpy as np
 import pytest
 from scipy.linalg import solve_banded
@@ -169,7 +169,7 @@ def test_a_push_between_two_checkpoints_is_repeated_bit_for_bit(freefem_text, tm
 
 
 @pytest.mark.parametrize("low, high", [(0.5, 2), (1.1, 2.5)])
-def test_a_blow_of_bodies_changes_no_momentum(low, high, freefem_text, tmp_path):
+def test_an_impact_of_bodies_changes_no_momentum(low, high, freefem_text, tmp_path):
     text = box(f"bodyDisk(0.5, 0.33, 0.1, {low}); bodyDisk(0.51, 0.62, 0.1, {high});", mu=0.003, gravity=-1)
     freefem_text(text, "-dt", 0.005, "-tend", 1.2, "-cfl", 0, "-budget", 1, "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")

@@ -48,7 +48,7 @@ FEATURES = [
     Feature("none", "the same program twice", JET_STILL, JET_STILL),
     Feature("particles", "resolved.edp without a particle, against flow.edp", Variant(PIPE, {**PIPE_STEP, "-number": 0}), JET_STILL),
     Feature("contacts", "a disk far from the walls, against a program that never looks", SETTLE,
-            Variant(DISK, STILL, calls=("motionContacts", "blowShare"), files=("scripts/standard.idp",))),
+            Variant(DISK, STILL, calls=("motionContacts", "impactShare"), files=("scripts/standard.idp",))),
     Feature("contacts of carried spheres", "-contacts 0, against a program without them", CARRIED,
             Variant(SPHERES, ALONE, guards=("transportContacts",), files=("lib/transport.idp",)), 200),
     Feature("contacts of spheres far apart", "-contacts 1 where none can touch (used, not skipped), against -contacts 0", Variant(SPHERES, {**ALONE, "-contacts": 1, "-number": 200}),

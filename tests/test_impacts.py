@@ -19,15 +19,15 @@ def landing(freefem_text, folder, ratio, dt):
 
 
 @pytest.mark.parametrize("ratio", [0.2, 0.5, 2, 5])
-def test_the_impulse_of_a_blow_at_a_wall_closes_the_balance(ratio, freefem_text, tmp_path):
+def test_the_impulse_of_an_impact_at_a_wall_closes_the_balance(ratio, freefem_text, tmp_path):
     """It is that of the body and of the fluid round it; for a ratio of 0.2 nearly half of it was missing."""
     run, _, _ = landing(freefem_text, tmp_path / "run", ratio, 0.005)
     budget = run.table("budget")
     off = budget["momentum_y"] - budget["walls_y"] - budget["weight_y"]
     assert run.fluid["contacts"].max() > 0
     rows = run.table("contacts")
-    blow = rows["impulse"][rows["t"] < rows["t"][0] + 0.05].sum()
-    assert np.abs(off[-1]) < 0.1 * blow
+    impact = rows["impulse"][rows["t"] < rows["t"][0] + 0.05].sum()
+    assert np.abs(off[-1]) < 0.1 * impact
 
 
 @pytest.mark.parametrize("ratio", [0.2, 2])
@@ -61,9 +61,9 @@ PUSH = """macro caseStep() {
     real[int] jump = [JUMP, 0.], held(3), e(flowNq), got(3);
     matrix noGaps;
     held = 0.;
-    blowFind();
-    blowFlow(jump, held, noGaps, noGaps, noGaps, e);
-    blowGather(e, got);
+    impactFind();
+    impactFlow(jump, held, noGaps, noGaps, noGaps, e);
+    impactGather(e, got);
     cout << "added " << got[0] << " " << got[1] << endl;
 } // EOM"""
 
@@ -71,7 +71,7 @@ PUSH = """macro caseStep() {
 @pytest.mark.parametrize("place, jump, exact, within", [
     ((0.003, 0.007), (1, 0), 1.04 / 0.96, 0.03),       # in the middle of a round container five times as wide: (R^2 + a^2)/(R^2 - a^2)
     ((0.003, -0.79), (0, 1), np.pi**2 / 3 - 1, 0.15)])  # near its wall, nearly plane there: two cylinders that touch (the gap is of an element)
-def test_the_flow_of_a_blow_has_the_added_mass_of_an_ideal_fluid(place, jump, exact, within, freefem_text, tmp_path):
+def test_the_flow_of_an_impact_has_the_added_mass_of_an_ideal_fluid(place, jump, exact, within, freefem_text, tmp_path):
     mesh = tmp_path / "round.mesh"
     text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(200)), "{mesh}");\n'
     text += case(f"bodyDisk({place[0]}, {place[1]}, 0.2, 2);", walls="labelWall", more=PUSH.replace("JUMP", f"{jump[0]}., {jump[1]}."))
@@ -83,7 +83,7 @@ def test_the_flow_of_a_blow_has_the_added_mass_of_an_ideal_fluid(place, jump, ex
 
 @pytest.mark.parametrize("angle, place", [(0, (0.003, 0.007)), (1.2, (0.005, 0.015))])
 def test_two_that_touch_and_part_push_the_fluid_as_two_cylinders_do(angle, place, freefem_text, tmp_path):
-    """In elements of both hardly any fluid was left to flow in between them: four to six times the added mass, and impulses of blows three times too large."""
+    """In elements of both hardly any fluid was left to flow in between them: four to six times the added mass, and impulses of impacts three times too large."""
     mesh, along = tmp_path / "round.mesh", 0.20025 * np.array([np.cos(angle), np.sin(angle)])
     text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(200)), "{mesh}");\n'
     (xa, ya), (xb, yb) = place - along, place + along
@@ -173,8 +173,8 @@ include "scripts/resolved.edp"
     ("bodyAdd(0.35, 0.44, 0.1, 2, 2, 0, 0, 1); bodyDisk(0.6, 0.5, 0.1, 1);", 0.23),
     ("bodyAdd(0.35, 0.5, 0.1, 1, 2, 0, 0, 1); bodyAdd(0.6, 0.5, 0.1, 0.3, -2, 0, 0, 1);", 0.10),
     ("bodyAdd(0.26, 0.5, 0.1, 2, 2, 0, 0, 1); bodyDisk(0.5, 0.5, 0.1, 1); bodyDisk(0.715, 0.52, 0.1, 1);", 0.21)])  # the third is near, and not hit
-def test_a_blow_keeps_the_momentum_of_fluid_and_bodies(bodies, before, freefem_text, tmp_path):
-    """In the step of the first blow; before: the jump over the impulse as the projection's masses say."""
+def test_an_impact_keeps_the_momentum_of_fluid_and_bodies(bodies, before, freefem_text, tmp_path):
+    """In the step of the first impact; before: the jump over the impulse as the projection's masses say."""
     mesh = tmp_path / "period.mesh"
     text = f'{{ int[int] sides = [13, 12, 14, 11]; savemesh(square(40, 40, label = sides), "{mesh}"); }}\ncout.precision(12);\n' + HIT.replace("BODIES", bodies)
     found = rows(freefem_text(text, "-mesh", mesh, "-out", tmp_path / "run").stdout, "momentum")
@@ -187,16 +187,16 @@ def test_a_blow_keeps_the_momentum_of_fluid_and_bodies(bodies, before, freefem_t
     assert worst_overlap(tmp_path / "run") < 1e-6
 
 
-def test_a_blow_of_two_bodies_is_no_impulse_of_the_walls(freefem_text, tmp_path):
-    """In a closed box, in the step of the blow: what the contact gave to either body was in the sum of the walls' impulses where the fluid's share had changed it."""
+def test_an_impact_of_two_bodies_is_no_impulse_of_the_walls(freefem_text, tmp_path):
+    """In a closed box, in the step of the impact: what the contact gave to either body was in the sum of the walls' impulses where the fluid's share had changed it."""
     text = case("bodyAdd(0.3, 0.5, 0.1, 2, 2, 0, 0, 1); bodyDisk(0.55, 0.52, 0.1, 1.5);", mu=0.005, gravity=0)
     freefem_text(text, "-dt", 0.004, "-cfl", 0, "-tend", 0.08, "-every", 0, "-budget", 1, "-tolerance", 1e-8, "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     budget, contacts = run.table("budget"), run.table("contacts")
     assert {*contacts["i"], *contacts["j"]} == {0, 1}
-    blow = int(np.argmin(abs(budget["t"] - contacts["t"][0])))
+    impact = int(np.argmin(abs(budget["t"] - contacts["t"][0])))
     off = budget["momentum_x"] - budget["walls_x"]
-    assert blow > 1 and abs(off[blow] - off[blow - 1]) < 0.1 * contacts["impulse"][0]
+    assert impact > 1 and abs(off[impact] - off[impact - 1]) < 0.1 * contacts["impulse"][0]
 
 
 def worst_overlap(folder):
