@@ -90,6 +90,24 @@ def test_spheres_on_a_floor_press_with_their_weight_whatever_the_step(history, f
         assert len(pressed) >= 49 and pressed == pytest.approx([1500 * 4 / 3 * np.pi * radius**3 * 9.81 * 0.002] * len(pressed), rel=1e-6)
 
 
+SLIDE = FLOOR.replace("gravityX = 0", "gravityX = optReal(\"-gx\", 0, \"m/s2\", \"gravity along the floor\"), rate0 = optReal(\"-rate\", 0, \"1/s\", \"rate of shear\")")
+SLIDE = SLIDE.replace("carrierU = 0.;", "carrierU = rate0*py; carrierUY = rate0;")
+
+
+@pytest.mark.parametrize("dt", [0.0005, 0.02])
+def test_spheres_slide_on_a_floor_by_the_forces_along_it_whatever_the_step(dt, freefem_text, tmp_path):
+    """They had the drag of their fall in each step, and its lift, and the shear below the floor: in a shear flow they went upstream, down a slope of 45 degrees by up to half too slowly."""
+    radii = np.array([3e-5, 2e-4, 2e-3])
+    for law in ("constant", "schiller-naumann"):
+        freefem_text(SLIDE, "-dt", dt, "-tend", 0.6, "-every", 0.6, "-drag", law, "-gx", 9.81, "-out", tmp_path / law)
+        slides = read_table(tmp_path / law / "particles.csv")
+        fall = [exact.terminal_velocities(law, radius, 2500.0)[0] for radius in radii]
+        assert slides["u"][-3:] == pytest.approx(fall, rel=1e-5) and slides["y"][-3:] == pytest.approx(radii, rel=1e-6)
+    freefem_text(SLIDE, "-dt", dt, "-tend", 0.6, "-every", 0.6, "-drag", "constant", "-rate", 2, "-out", tmp_path / "shear")
+    k = 3 / 8 * 0.44 * 1000 / 3000 / radii  # (m_p + m_f/2) dU/dt = 0.22 rho pi R2 (u - U)^2
+    assert read_table(tmp_path / "shear/particles.csv")["u"][-3:] == pytest.approx(2 * radii * (1 - 1 / (1 + k * 2 * radii * 0.6)), rel=1e-5)
+
+
 @pytest.mark.parametrize("dt", [0.0005, 0.02])
 def test_small_spheres_in_contact_fall_as_one_whatever_the_step(dt, freefem, run_folder):
     """Their drags count where these are fast, not their masses: they fell by 6 and 22 % too fast."""
