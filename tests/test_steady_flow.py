@@ -443,7 +443,12 @@ def test_what_enters_and_heads_are_those_of_the_fields(freefem, run_folder, tmp_
     (y, inlet), (_, outlet) = ends
     energy = 1.5 * (0.1 * 2 * 2 / 3) ** 2
     assert inlet["k"] == pytest.approx(energy, rel=1e-6)
-    assert inlet["epsilon"][len(y) // 2] == pytest.approx(0.09**0.75 * energy**1.5 / (0.07 * 0.2), rel=1e-6)
+    away = 0.1 - np.abs(y[::2]) + 30 * 2 * 0.2 / found["reynolds"] / (0.09**0.25 * energy**0.5)  # from the wall, of which the mesh leaves out 30 wall units at least
+    assert inlet["epsilon"][::2] == pytest.approx(0.09**0.75 * energy**1.5 / np.minimum(0.07 * 0.2, 0.41 * away), rel=1e-5)
+    speed = np.hypot(*data["velocity"][:, :2].T)
+    fastest = np.hypot(points[:, 0] - found["speed_most_x"], points[:, 1] - found["speed_most_y"]).argmin()
+    assert speed[fastest] == pytest.approx(found["speed_most"], rel=1e-6) and found["speed_most"] > 0.999 * speed.max()
+    assert data["nu_t"].max() == pytest.approx(found["turbulent_viscosity_over_molecular_most"] * 2 * 0.2 / found["reynolds"], rel=1e-6)
 
     def mean(weight, values):  # the nodes are ends and middles of edges: Simpson's rule
         rule = np.resize([2.0, 4.0], len(y))
@@ -453,6 +458,10 @@ def test_what_enters_and_heads_are_those_of_the_fields(freefem, run_folder, tmp_
     heads = [mean(side["velocity"][:, 0], side["pressure"] + 2 / 3 * 1000 * side["k"] + 500 * (side["velocity"] ** 2).sum(axis=1)) for side in (inlet, outlet)]
     assert abs(mean(np.ones(len(y)), outlet["pressure"] + 2 / 3 * 1000 * outlet["k"])) < 5  # an outlet free of traction: the pressure is without 2/3 rho k, here 40 Pa
     assert found["head_loss"] == pytest.approx(heads[0] - heads[1], rel=0.01)  # without 2/3 rho k a quarter less
+    walls, length = rows(run_folder / "wall.csv"), 0.2
+    borne = sum(row["shear"] * row["length"] for row in walls)
+    push = [length * mean(np.ones(len(y)), side["pressure"] + 2 / 3 * 1000 * side["k"] + 1000 * side["velocity"][:, 0] ** 2) for side in (inlet, outlet)]
+    assert len(walls) == 40 and borne == pytest.approx(push[0] - push[1], rel=0.05)  # pressure and momentum that go in and do not come out
     assert found["pressure_inlet"] == pytest.approx(50000 + mean(np.ones(len(y)), inlet["pressure"]), abs=0.1)
     assert found["loss_coefficient"] == pytest.approx(found["head_loss"] / (500 * (4 / 3) ** 2), rel=5e-3)
 
@@ -644,6 +653,31 @@ savemesh(buildmesh(low(50) + right(10) + top(50) + left(10) + b1(4) + b2(4) + b3
     assert behind.any() and zones["reattachment"][behind].max() == pytest.approx(0.34, abs=1e-6)
 
 
+ZONES = """
+mesh Th = square(2, 2);
+int measureAxis = 0;
+int[int] measureWalls = [1];
+include "lib/steady_measure.idp"
+real[int] shear = [-1, -3, 1, 2, -2, 2, 2, 1, -1, -4, -1, 1, 1, -1, -5], side = [-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, 1, 1, 1], piece = [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0, 1];
+wallX.resize(15); wallAlong.resize(15); wallShear.resize(15) = shear; wallSide.resize(15) = side; wallPiece.resize(15) = piece;
+wallAlong = 0.1;
+for (int i = 0; i < 15; ++i) wallX[i] = 0.05 + 0.1*(i < 10 ? i : i - 10);
+wallX[12] = 0.05; wallX[13] = 0.15; wallX[14] = 0.65;
+for (int k = 0; k < 2; ++k) {
+    int number = measureZones((k ? 0.19 : 0.05));
+    for (int i = 0; i < number; ++i) cout << "ZONE " << k << " " << zones(i, 0) << " " << zones(i, 1) << " " << zones(i, 2) << " " << zones(i, 3) << " " << zones(i, 4) << " " << zones(i, 5) << endl;
+}
+"""
+
+
+def test_zones_are_what_the_shear_along_each_wall_says(freefem_text):
+    """From the beginning of a wall or where a straight line between two edges passes 0; no zone goes over to another wall or side. Short ones and short parts between two are left out."""
+    found = [list(map(float, line.split()[1:])) for line in freefem_text(ZONES).stdout.splitlines() if line.startswith("ZONE")]
+    whole = [[-1, 0, 0.225, 0.225, -3, 0], [-1, 0.4, 0.5, 0.1, -2, 0], [-1, 0.8, 1, 0.2, -4, 0], [-1, 0, 0.1, 0.1, -1, 1], [1, 0.1, 0.2, 0.1, -1, 0], [1, 0.6, 0.7, 0.1, -5, 1]]
+    long = [[-1, 0, 0.5, 0.5, -3, 0], [-1, 0.8, 1, 0.2, -4, 0]]
+    np.testing.assert_allclose(found, [[0, *zone] for zone in whole] + [[1, *zone] for zone in long], atol=1e-12)
+
+
 # A case of one's own in a box; SIDES: labels below, on the right, above, on the left.
 OWN = """
 include "lib/output.idp"
@@ -669,6 +703,18 @@ def test_an_axis_that_is_none_is_refused(sides, low, axis, says, freefem_text, r
     done = freefem_text(OWN.replace("SIDES", sides).replace("LOW", str(low)).replace("AXIS", str(axis)), "-out", run_folder, check=False)
     assert done.returncode == 3 and says in done.stderr and len(done.stderr.strip().splitlines()) == 1
     assert not run_folder.exists()
+
+
+@pytest.mark.parametrize("model", ["laminar", "k-epsilon"])
+def test_a_stream_may_enter_aslant(model, freefem_text, run_folder):
+    """What a case gives at the inlet stands there, whether the flow is found or not."""
+    text = OWN.replace("SIDES", "3, 2, 3, 1").replace("LOW", "0").replace("AXIS", "0").replace("macro inletU() 1. // EOM", "macro inletU() y // EOM\nmacro inletV() 0.5*y*(1. - y) // EOM")
+    freefem_text(text.replace("viscosityFluid = 1,", "viscosityFluid = 1e-4,"), "-model", model, "-steps", 1, "-out", run_folder, check=False)
+    fine, values = read_field(run_folder / "fields.vtu")
+    y = fine.points[np.abs(fine.points[:, 0]) < 1e-12, 1]
+    inside = (y > 1e-9) & (y < 1 - 1e-9)
+    at = values["velocity"][np.abs(fine.points[:, 0]) < 1e-12]
+    assert len(y) == 9 and at[inside, 0] == pytest.approx(y[inside], abs=1e-6) and at[inside, 1] == pytest.approx(0.5 * (y * (1 - y))[inside], abs=1e-6)
 
 
 # Kovasznay's flow behind a grid, exact, between two of its planes of symmetry; TURNED 1: along y.
@@ -743,8 +789,10 @@ include "scripts/steady_laminar.edp"
 @pytest.mark.parametrize("turned", [0, 1])
 def test_force_on_a_plane_of_symmetry_and_on_a_wall_that_ends_where_it_begins(freefem_text, run_folder, tmp_path, turned):
     """Shear 4 mu U/H over a length of 2, mean pressure 8 mu U/H2; no shear on the plane."""
-    freefem_text(HALF.replace("FOLDER", str(tmp_path)).replace("TURNED", str(turned)).replace("SLANT", "0").replace("PLANES", "labelAxis"), "-out", run_folder)
+    freefem_text(HALF.replace("FOLDER", str(tmp_path)).replace("TURNED", str(turned)).replace("SLANT", "0").replace("PLANES", "labelAxis"), "-fields", 1, "-out", run_folder)
     found = results(run_folder)
+    fine, values = read_field(run_folder / "fields.vtu")
+    assert found["reynolds"] == pytest.approx(2 / 0.3) and values["pressure"] == pytest.approx(2.4 * (2 - fine.points[:, turned]), abs=1e-6)
     assert [found[name] for name in ("wall_along", "wall_across", "plane_across")] == pytest.approx([2.4, 4.8, -4.8], rel=1e-8) and abs(found["plane_along"]) < 1e-8
 
 
