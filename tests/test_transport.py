@@ -349,6 +349,21 @@ def test_small_spheres_are_not_lost_at_a_wall(dt, freefem_text, tmp_path):
     assert all(float(row["t"]) > 0.05 - 1e-9 and float(row["y"]) > 2e-4 - 1e-9 for row in last)
 
 
+def test_who_leaves_is_counted_once_by_the_outlet_or_lost(freefem_text, tmp_path):
+    """Of 41 spheres between x = 0.02 and 0.82 those beyond 0.615 have left through the outlet in the first step, the others are lost below the bottom in time; those that enter later are told of once."""
+    more = 'macro caseBound() 0.615 // EOM\nmacro caseParticles() { queueAt(0.3, 0.5, 2e-4, 2500, 0.02); queueAt(0.4, 0.5, 2e-4, 2500, 0.02);'
+    text = THROWN.replace("[labelBottom]", "[labelTop]").replace("macro caseParticles() {", more)
+    freefem_text(text, "-dt", 0.002, "-tend", 0.05, "-drag", "stokes", "-lift", 0, "-every", 0, "-out", tmp_path / "run")
+    gone, steps, entered = rows(tmp_path / "run/exits.csv"), read_table(tmp_path / "run/steps.csv"), rows(tmp_path / "run/entries.csv")
+    through = [row for row in gone if row["outlet"] == "1"]
+    assert len(through) == 11 and all(float(row["t"]) == 0.002 and float(row["x"]) > 0.615 for row in through)
+    assert [int(row["id"]) for row in through] == list(range(30, 41)) and sorted(int(row["id"]) for row in gone) == list(range(41))
+    for name, outlet in (("left", "1"), ("lost", "0")):
+        assert steps[name].tolist() == [sum(row["outlet"] == outlet and float(row["t"]) <= t + 1e-9 for row in gone) for t in steps["t"]]
+    assert [int(row["id"]) for row in entered] == list(range(43)) and [float(row["t"]) for row in entered[-2:]] == pytest.approx([0.02, 0.02])
+    assert (steps["particles"] + steps["waiting"] + steps["left"] + steps["lost"]).tolist() == [43] * len(steps["t"])
+
+
 def test_a_sphere_beyond_the_mesh_is_taken_out(freefem_text, tmp_path):
     freefem_text(THROWN.replace("[labelBottom]", "[labelTop]"), "-dt", 0.002, "-tend", 0.05, "-drag", "stokes", "-lift", 0, "-out", tmp_path / "run")
     gone = rows(tmp_path / "run/exits.csv")

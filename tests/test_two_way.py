@@ -5,6 +5,7 @@ import re
 import pytest
 
 from tools import coupling_effect, transport_two_way
+from tools.mesh_files import read_field
 from tools.run_folder import RunFolder
 from tools.tables import read_table
 from tools.validation import Context
@@ -191,6 +192,25 @@ def test_what_acts_back_is_without_the_stresses_of_the_undisturbed_flow(turbulen
         gained = 2500 * volume * sphere[name][-1] / dt
         assert flow[f"force_{axis}"][-1] == pytest.approx(gained - 1000 * volume * fluid - 1500 * volume * gravity, rel=1e-8)
         assert abs(flow[f"source_{axis}"][-1] + flow[f"force_{axis}"][-1]) < 1e-9
+
+
+def test_rows_of_the_coupling_are_means_and_maxima_of_the_steps(freefem, tmp_path):
+    """A source that is uniform, in a stream: a row of many steps against the rows of each; the volume fraction is that of the box, the speed that of the stream and its change."""
+    words = ["-coupling-width", 10, "-stream", 1, "-start-u", 3, "-start-v", 0, "-mu", 0.01, "-drag", "constant", "-tend", 0.06, "-fields", 1]
+    runs = []
+    for name, every in (("each", 0), ("all", 0.03)):
+        freefem("tests/transport/cloud.edp", "-out", tmp_path / name, "-every", every, *words)
+        runs.append(RunFolder(tmp_path / name).table("coupling"))
+    each, whole = runs
+    assert len(each["t"]) == 7 and whole["t"] == pytest.approx([0, 0.03, 0.06])
+    for name in ("force_x", "force_y", "source_x", "source_y"):
+        assert whole[name][1:] == pytest.approx([each[name][1:4].mean(), each[name][4:].mean()], rel=1e-9, abs=1e-9)
+    assert whole["momentum_x"][1:] == pytest.approx(each["momentum_x"][[3, 6]], rel=1e-9)
+    assert each["volume_fraction_most"][1:] == pytest.approx(100 * 4 / 3 * math.pi * 0.01**3 / 0.001, rel=1e-5)  # the kernel is not quite uniform
+    assert each["change_most"][-1] > 0.1 and each["speed_most"] == pytest.approx(1 + each["change_most"], rel=1e-9)
+    assert each["change_most"] == pytest.approx(each["momentum_x"] / (1000 * 0.001), rel=1e-5)
+    last = read_field(tmp_path / "each/fields_0000006.vtu")[1]["velocity"]
+    assert last[:, 0] == pytest.approx(each["speed_most"][-1], rel=1e-5)
 
 
 CHANNEL = """include "lib/options.idp"
