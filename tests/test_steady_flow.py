@@ -658,13 +658,14 @@ mesh Th = square(2, 2);
 int measureAxis = 0;
 int[int] measureWalls = [1];
 include "lib/steady_measure.idp"
-real[int] shear = [-1, -3, 1, 2, -2, 2, 2, 1, -1, -4, -1, 1, 1, -1, -5], side = [-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, 1, 1, 1], piece = [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0, 1];
+real[int] shear = [-3, -1, 1, 2, -5, 2, 2, 1, -1, -4, -1, 1, 1, -1, -5], side = [-1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, 1, 1, 1], piece = [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0, 1];
 wallX.resize(15); wallAlong.resize(15); wallShear.resize(15) = shear; wallSide.resize(15) = side; wallPiece.resize(15) = piece;
 wallAlong = 0.1;
 for (int i = 0; i < 15; ++i) wallX[i] = 0.05 + 0.1*(i < 10 ? i : i - 10);
 wallX[12] = 0.05; wallX[13] = 0.15; wallX[14] = 0.65;
 for (int k = 0; k < 2; ++k) {
     int number = measureZones((k ? 0.19 : 0.05));
+    cout.precision(15);
     for (int i = 0; i < number; ++i) cout << "ZONE " << k << " " << zones(i, 0) << " " << zones(i, 1) << " " << zones(i, 2) << " " << zones(i, 3) << " " << zones(i, 4) << " " << zones(i, 5) << endl;
 }
 """
@@ -673,8 +674,8 @@ for (int k = 0; k < 2; ++k) {
 def test_zones_are_what_the_shear_along_each_wall_says(freefem_text):
     """From the beginning of a wall or where a straight line between two edges passes 0; no zone goes over to another wall or side. Short ones and short parts between two are left out."""
     found = [list(map(float, line.split()[1:])) for line in freefem_text(ZONES).stdout.splitlines() if line.startswith("ZONE")]
-    whole = [[-1, 0, 0.225, 0.225, -3, 0], [-1, 0.4, 0.5, 0.1, -2, 0], [-1, 0.8, 1, 0.2, -4, 0], [-1, 0, 0.1, 0.1, -1, 1], [1, 0.1, 0.2, 0.1, -1, 0], [1, 0.6, 0.7, 0.1, -5, 1]]
-    long = [[-1, 0, 0.5, 0.5, -3, 0], [-1, 0.8, 1, 0.2, -4, 0]]
+    whole = [[-1, 0, 0.2, 0.2, -3, 0], [-1, 0.35 + 0.2 / 7, 0.45 + 0.5 / 7, 0.1 + 0.3 / 7, -5, 0], [-1, 0.8, 1, 0.2, -4, 0], [-1, 0, 0.1, 0.1, -1, 1], [1, 0.1, 0.2, 0.1, -1, 0], [1, 0.6, 0.7, 0.1, -5, 1]]
+    long = [[-1, 0, 0.45 + 0.5 / 7, 0.45 + 0.5 / 7, -5, 0], [-1, 0.8, 1, 0.2, -4, 0]]
     np.testing.assert_allclose(found, [[0, *zone] for zone in whole] + [[1, *zone] for zone in long], atol=1e-12)
 
 
