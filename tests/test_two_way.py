@@ -194,6 +194,33 @@ def test_what_acts_back_is_without_the_stresses_of_the_undisturbed_flow(turbulen
         assert abs(flow[f"source_{axis}"][-1] + flow[f"force_{axis}"][-1]) < 1e-9
 
 
+FROZEN = """int[int] sides = [3, 2, 3, 1];
+mesh Th = square(4, 4, label = sides);
+include "lib/output.idp"
+real rhoFluid = 1000, mu = 1, gravityX = 0, gravityY = 0;
+include "lib/two_way_steady.idp"
+steadyK = 0.04 + 0.*x; steadyNut = 0.01 + 0.*x; steadyModel = "MODEL";
+steadyU = 1.; steadyV = 0.;
+carrierFlow(steadyU[], steadyV[]);
+int[int] in0 = [1], out0 = [2], walls0 = [3];
+twoWayOfSteady(0.01, in0, out0, walls0);
+cout.precision(12);
+cout << "FOUND " << int2d(Th)(twoWayViscosity) << " " << int1d(Th, twoWayWalls)(twoWayFriction) << " " << twoWayHeld.n << " " << twoWayWalls[0] << endl;
+"""
+
+
+@pytest.mark.parametrize("model", ["laminar", "k-epsilon"])
+def test_the_coupled_flow_keeps_the_eddy_viscosity_and_the_law_of_the_wall(model, freefem_text):
+    """nu + nu_t; u_k/u+ half an element off both walls, of which a laminar flow has none: it does not slip."""
+    viscosity, friction, held, wall = map(float, freefem_text(FROZEN.replace("MODEL", model)).stdout.split("FOUND")[1].split()[:4])
+    assert viscosity == pytest.approx(0.011, rel=1e-9)
+    scale = 0.09**0.25 * 0.2
+    if model == "laminar":
+        assert (held, wall) == (2, -1)
+    else:
+        assert (held, wall) == (1, 3) and friction == pytest.approx(2 * scale * 0.41 / math.log(9 * max(30, scale * 0.125 / 1e-3)), rel=1e-9)
+
+
 def test_rows_of_the_coupling_are_means_and_maxima_of_the_steps(freefem, tmp_path):
     """A source that is uniform, in a stream: a row of many steps against the rows of each; the volume fraction is that of the box, the speed that of the stream and its change."""
     words = ["-coupling-width", 10, "-stream", 1, "-start-u", 3, "-start-v", 0, "-mu", 0.01, "-drag", "constant", "-tend", 0.06, "-fields", 1]
