@@ -126,6 +126,14 @@ def test_two_runs_with_one_seed_are_the_same_and_another_seed_differs(freefem, t
     assert texts[0] == texts[1] != texts[2]
 
 
+def test_the_time_of_the_fluctuations_is_their_constant_times_k_over_epsilon(freefem, tmp_path):
+    words = ["-turbulence", "fluctuation", "-sigma", 0.1, "-number", 5, "-tend", 0.05, "-dt", 0.01]
+    for name, constant, decay in (("a", 0.3, 1), ("b", 0.6, 2), ("c", 0.6, 1)):
+        freefem(SCRIPT, "-out", tmp_path / name, "-turbulence-time", constant, "-decay", decay, *words)
+    one, same, other = (read_table(tmp_path / name / "particles.csv")["u"] for name in "abc")
+    assert one == pytest.approx(same, rel=1e-12) and abs(one - other).max() > 1e-3
+
+
 def test_the_fluctuations_of_a_particle_do_not_depend_on_who_else_is_there(freefem, tmp_path):
     found = []
     for number in (3, 5):
@@ -351,7 +359,7 @@ def test_small_spheres_are_not_lost_at_a_wall(dt, freefem_text, tmp_path):
 
 def test_who_leaves_is_counted_once_by_the_outlet_or_lost(freefem_text, tmp_path):
     """Of 41 spheres between x = 0.02 and 0.82 those beyond 0.615 have left through the outlet in the first step, the others are lost below the bottom in time; those that enter later are told of once."""
-    more = 'macro caseBound() 0.615 // EOM\nmacro caseParticles() { queueAt(0.3, 0.5, 2e-4, 2500, 0.02); queueAt(0.4, 0.5, 2e-4, 2500, 0.02);'
+    more = 'macro caseBound() 0.615 // EOM\nmacro caseParticles() { queueAt(0.3, 0.5, 2e-4, 2500, 0.02); queueAt(0.4, 0.5, 2e-4, 2500, 0.03);'
     text = THROWN.replace("[labelBottom]", "[labelTop]").replace("macro caseParticles() {", more)
     freefem_text(text, "-dt", 0.002, "-tend", 0.05, "-drag", "stokes", "-lift", 0, "-every", 0, "-out", tmp_path / "run")
     gone, steps, entered = rows(tmp_path / "run/exits.csv"), read_table(tmp_path / "run/steps.csv"), rows(tmp_path / "run/entries.csv")
@@ -360,7 +368,7 @@ def test_who_leaves_is_counted_once_by_the_outlet_or_lost(freefem_text, tmp_path
     assert [int(row["id"]) for row in through] == list(range(30, 41)) and sorted(int(row["id"]) for row in gone) == list(range(41))
     for name, outlet in (("left", "1"), ("lost", "0")):
         assert steps[name].tolist() == [sum(row["outlet"] == outlet and float(row["t"]) <= t + 1e-9 for row in gone) for t in steps["t"]]
-    assert [int(row["id"]) for row in entered] == list(range(43)) and [float(row["t"]) for row in entered[-2:]] == pytest.approx([0.02, 0.02])
+    assert [int(row["id"]) for row in entered] == list(range(43)) and [float(row["t"]) for row in entered[-2:]] == pytest.approx([0.02, 0.03])
     assert (steps["particles"] + steps["waiting"] + steps["left"] + steps["lost"]).tolist() == [43] * len(steps["t"])
 
 
