@@ -653,7 +653,7 @@ def test_who_enters_spins_as_the_flow_does(freefem_text, tmp_path):
 
 def test_an_unsteady_flow_along_y_moves_a_sphere_as_one_along_x(freefem_text, tmp_path):
     sphere = "real[int] x0 = [0.], y0 = [0.], r = [0.01], d = [2500.], z = [0.]; transportAppend(x0, y0, r, d, z, z, z);"
-    words = ["-fluid-acceleration", 1, "-drag", "schiller-naumann", "-dt", 0.001, "-tend", 0.1, "-every", 0.01]
+    words = ["-fluid-acceleration", 1, "-history", 1, "-drag", "schiller-naumann", "-dt", 0.001, "-tend", 0.1, "-every", 0.01]
     along = in_formula(freefem_text, tmp_path / "x", f"carrierU = cos(30*t); carrierV = 0.; {FLAT} carrierUT = -30*sin(30*t); carrierVT = 0.;", sphere, *words)
     up = in_formula(freefem_text, tmp_path / "y", f"carrierV = cos(30*t); carrierU = 0.; {FLAT} carrierVT = -30*sin(30*t); carrierUT = 0.;", sphere, *words)
     assert abs(along["u"]).max() > 0.1
@@ -677,6 +677,17 @@ def test_the_history_of_a_particle_does_not_hang_on_who_comes_and_goes(freefem_t
     assert 20 < len(together[1]) < 40 and 15 < len(together[3]) < 25
     for one, other in ((together[0], pair[0]), (together[2], pair[1]), (together[3], alone[0])):
         np.testing.assert_array_equal(one, other)
+
+
+def test_the_fluctuations_of_who_enters_do_not_depend_on_who_has_left(freefem_text, tmp_path):
+    flow = "carrierU = 1.; carrierV = 0.; carrierSigma = 0.1; carrierRate = 1."
+    bodies = "real[int] x0 = [0.], y0 = [0.], r = [1e-4], d = [2500.], u0 = [1.], z = [0.]; transportAppend(x0, y0, r, d, u0, z, z); queueAt(0, 0.5, 1e-4, 2500, 0.1);"
+    words = ["-turbulence", "fluctuation", "-drag", "stokes", "-dt", 0.01, "-tend", 0.2, "-every", 0.01]
+    one, other = (in_formula(freefem_text, tmp_path / name, flow + "; // EOM\nmacro caseBound() " + bound, bodies, *words) for name, bound in (("left", "0.05"), ("there", "10.")))
+    assert one["t"][one["id"] == 0].max() < 0.1 < other["t"][other["id"] == 0].max()
+    for name in ("x", "y", "u", "v"):
+        first, second = (run[name][run["id"] == 1][:5] for run in (one, other))  # before it leaves too
+        np.testing.assert_array_equal(first, second)
 
 
 def test_walls_move_before_the_first_particle_is_there(freefem_text, tmp_path):
@@ -707,6 +718,7 @@ def test_a_constant_drag_far_below_its_range_is_told(freefem, tmp_path):
     assert freefem(SCRIPT, "-out", tmp_path / "constant", *words).stdout.count("take -drag schiller-naumann") == 1
     assert "take -drag" not in freefem(SCRIPT, "-out", tmp_path / "fitted", *words, "-drag", "schiller-naumann").stdout
     assert "take -drag" not in freefem(SCRIPT, "-out", tmp_path / "large", "-radius", 0.01, *words[2:]).stdout
+    assert "take -drag" not in freefem(SCRIPT, "-out", tmp_path / "slowed", "-start-u", 1, "-gravity", 0, "-tend", 0.6, "-dt", 0.01).stdout  # from a Reynolds number of 2000 to 59
 
 
 def test_a_flow_without_k_and_epsilon_has_no_fluctuations(freefem_text, freefem_refused, tmp_path):

@@ -236,6 +236,9 @@ def test_rows_of_the_coupling_are_means_and_maxima_of_the_steps(freefem, tmp_pat
     assert each["volume_fraction_most"][1:] == pytest.approx(100 * 4 / 3 * math.pi * 0.01**3 / 0.001, rel=1e-5)  # the kernel is not quite uniform
     assert each["change_most"][-1] > 0.1 and each["speed_most"] == pytest.approx(1 + each["change_most"], rel=1e-9)
     assert each["change_most"] == pytest.approx(each["momentum_x"] / (1000 * 0.001), rel=1e-5)
+    freefem("tests/transport/cloud.edp", "-out", tmp_path / "apart", "-every", 0, "-converge", -20, "-coupling-width", 0.05, "-mu", 0.01, "-drag", "stokes", "-tend", 0.03)
+    thinner = RunFolder(tmp_path / "apart").table("coupling")["volume_fraction_most"][1:]  # spheres that fly apart: of each row's own steps
+    assert (thinner[1:] < 0.95 * thinner[:-1]).all()
     last = read_field(tmp_path / "each/fields_0000006.vtu")[1]["velocity"]
     assert last[:, 0] == pytest.approx(each["speed_most"][-1], rel=1e-5)
 
