@@ -233,7 +233,10 @@ varf scales([a, b, q, g, h], [c, d, r, l, m])
     = int2d(Th)(ransRadius*(ransSpeed^2*(c + d) + ransSpeed*r)/ransLength + ransRadius*ransRate*(l + m));
 Zh timeM = 1./sqrt((4.*sqrt(fU^2 + fV^2)/ransSize)^2 + (16.*(ransNu + ransNut)/ransSize^2)^2);
 Zh timeT = 1./sqrt((2.*sqrt(fU^2 + fV^2)/ransSize)^2 + (4.*(ransNu + ransNut/ransSigmaE)/ransSize^2)^2 + ransRate^2);
-real[int] exact = mixed(0, Xh), edges = ransEdges(0, Xh), size = scales(0, Xh);
+func real weight() { return AXIS*y + 1. - AXIS; }
+varf borders([a, b, q, g, h], [c, d, r, l, m]) = int1d(Th, 1)(weight()*(wallFriction(fK)/wallPlus(fK)*(fU*c + fV*d) + 1e7*ransSpeed*(fU*N.x + fV*N.y)*(c*N.x + d*N.y)))
+    + int1d(Th, 2)(0.5*weight()*max(-fU*N.x - fV*N.y, 0.)*(fU*c + fV*d)); // what flows in again brings no energy
+real[int] exact = mixed(0, Xh), edges = borders(0, Xh), size = scales(0, Xh);
 exact += edges;
 exact = exact .* ransOpen;
 timeM[] -= ransTauM[]; timeT[] -= ransTauT[];
@@ -698,6 +701,27 @@ def test_zones_are_what_the_shear_along_each_wall_says(freefem_text):
     whole = [[-1, 0, 0.2, 0.2, -3, 0], [-1, 0.35 + 0.2 / 7, 0.45 + 0.5 / 7, 0.1 + 0.3 / 7, -5, 0], [-1, 0.8, 1, 0.2, -4, 0], [-1, 0, 0.1, 0.1, -1, 1], [1, 0.1, 0.2, 0.1, -1, 0], [1, 0.6, 0.7, 0.1, -5, 1]]
     long = [[-1, 0, 0.45 + 0.5 / 7, 0.45 + 0.5 / 7, -5, 0], [-1, 0.8, 1, 0.2, -4, 0]]
     np.testing.assert_allclose(found, [[0, *zone] for zone in whole] + [[1, *zone] for zone in long], atol=1e-12)
+
+
+MEANS = """
+mesh Th = square(4, 4, [x, 2.*y]);
+int measureAxis = AXIS;
+int[int] measureWalls = [1], right = [2];
+include "lib/steady_measure.idp"
+steadyDensity = 3; steadyU = 1. + y; steadyV = 2.*y; steadyP = 5.*y; steadyK = 0.3 + 0.*x;
+cout.precision(12);
+cout << "FOUND " << measureFlux(right) << " " << measureMeanPressure(right) << " " << measureHead(right) << endl;
+"""
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_means_over_a_section_are_those_of_the_plane_or_round_one(axis, freefem_text):
+    y, rule = np.polynomial.legendre.leggauss(8)
+    y, weight = 1 + y, rule * (2 * np.pi * (1 + y) if axis else 1)
+    u, p, speed2 = 1 + y, 5 * y, (1 + y) ** 2 + 4 * y**2
+    flux = weight @ u
+    expected = [flux, weight @ p / weight.sum(), weight @ ((p + 2 / 3 * 3 * 0.3 + 1.5 * speed2) * u) / flux]
+    assert list(map(float, freefem_text(MEANS.replace("AXIS", str(axis))).stdout.split("FOUND")[1].split()[:3])) == pytest.approx(expected, rel=1e-9)
 
 
 # A case of one's own in a box; SIDES: labels below, on the right, above, on the left.

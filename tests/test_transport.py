@@ -722,6 +722,7 @@ def test_a_constant_drag_far_below_its_range_is_told(freefem, tmp_path):
     assert "take -drag" not in freefem(SCRIPT, "-out", tmp_path / "fitted", *words, "-drag", "schiller-naumann").stdout
     assert "take -drag" not in freefem(SCRIPT, "-out", tmp_path / "large", "-radius", 0.01, *words[2:]).stdout
     assert "take -drag" not in freefem(SCRIPT, "-out", tmp_path / "slowed", "-start-u", 1, "-gravity", 0, "-tend", 0.6, "-dt", 0.01).stdout  # from a Reynolds number of 2000 to 59
+    assert "take -drag" not in freefem(SCRIPT, "-out", tmp_path / "near", "-start-u", 0.2, "-gravity", 0, "-tend", 0.02, "-dt", 0.01).stdout  # 400
 
 
 def test_a_flow_without_k_and_epsilon_has_no_fluctuations(freefem_text, freefem_refused, tmp_path):
