@@ -90,6 +90,24 @@ def test_spheres_on_a_floor_press_with_their_weight_whatever_the_step(history, f
         assert len(pressed) >= 49 and pressed == pytest.approx([1500 * 4 / 3 * np.pi * radius**3 * 9.81 * 0.002] * len(pressed), rel=1e-6)
 
 
+SLIDE = FLOOR.replace("gravityX = 0", "gravityX = optReal(\"-gx\", 0, \"m/s2\", \"gravity along the floor\"), rate0 = optReal(\"-rate\", 0, \"1/s\", \"rate of shear\")")
+SLIDE = SLIDE.replace("carrierU = 0.;", "carrierU = rate0*py; carrierUY = rate0;")
+
+
+@pytest.mark.parametrize("dt", [0.0005, 0.02])
+def test_spheres_slide_on_a_floor_by_the_forces_along_it_whatever_the_step(dt, freefem_text, tmp_path):
+    """They had the drag of their fall in each step, and its lift, and the shear below the floor: in a shear flow they went upstream, down a slope of 45 degrees by up to 12 % too slowly."""
+    radii = np.array([3e-5, 2e-4, 2e-3])
+    for law in ("constant", "schiller-naumann"):
+        freefem_text(SLIDE, "-dt", dt, "-tend", 0.6, "-every", 0.6, "-drag", law, "-gx", 9.81, "-out", tmp_path / law)
+        slides = read_table(tmp_path / law / "particles.csv")
+        fall = [exact.terminal_velocities(law, radius, 2500.0)[0] for radius in radii]
+        assert slides["u"][-3:] == pytest.approx(fall, rel=1e-5) and slides["y"][-3:] == pytest.approx(radii, rel=1e-6)
+    freefem_text(SLIDE, "-dt", dt, "-tend", 0.6, "-every", 0.6, "-drag", "constant", "-rate", 2, "-out", tmp_path / "shear")
+    k = 3 / 8 * 0.44 * 1000 / 3000 / radii  # (m_p + m_f/2) dU/dt = 0.22 rho pi R2 (u - U)^2
+    assert read_table(tmp_path / "shear/particles.csv")["u"][-3:] == pytest.approx(2 * radii * (1 - 1 / (1 + k * 2 * radii * 0.6)), rel=1e-5)
+
+
 @pytest.mark.parametrize("dt", [0.0005, 0.02])
 def test_small_spheres_in_contact_fall_as_one_whatever_the_step(dt, freefem, run_folder):
     """Their drags count where these are fast, not their masses: they fell by 6 and 22 % too fast."""
@@ -106,6 +124,14 @@ def test_two_runs_with_one_seed_are_the_same_and_another_seed_differs(freefem, t
         freefem(SCRIPT, "-out", tmp_path / name, "-turbulence-seed", seed, *words)
     texts = [(tmp_path / name / "particles.csv").read_text() for name in "abc"]
     assert texts[0] == texts[1] != texts[2]
+
+
+def test_the_time_of_the_fluctuations_is_their_constant_times_k_over_epsilon(freefem, tmp_path):
+    words = ["-turbulence", "fluctuation", "-sigma", 0.1, "-number", 5, "-tend", 0.05, "-dt", 0.01]
+    for name, constant, decay in (("a", 0.3, 1), ("b", 0.6, 2), ("c", 0.6, 1)):
+        freefem(SCRIPT, "-out", tmp_path / name, "-turbulence-time", constant, "-decay", decay, *words)
+    one, same, other = (read_table(tmp_path / name / "particles.csv")["u"] for name in "abc")
+    assert one == pytest.approx(same, rel=1e-12) and abs(one - other).max() > 1e-3
 
 
 def test_the_fluctuations_of_a_particle_do_not_depend_on_who_else_is_there(freefem, tmp_path):
@@ -329,6 +355,21 @@ def test_small_spheres_are_not_lost_at_a_wall(dt, freefem_text, tmp_path):
     steps, last = rows(tmp_path / "run/steps.csv")[-1], rows(tmp_path / "run/particles.csv")[-41:]
     assert (steps["particles"], steps["lost"]) == ("41", "0") and rows(tmp_path / "run/exits.csv") == []
     assert all(float(row["t"]) > 0.05 - 1e-9 and float(row["y"]) > 2e-4 - 1e-9 for row in last)
+
+
+def test_who_leaves_is_counted_once_by_the_outlet_or_lost(freefem_text, tmp_path):
+    """Of 41 spheres between x = 0.02 and 0.82 those beyond 0.615 have left through the outlet in the first step, the others are lost below the bottom in time; those that enter later are told of once."""
+    more = 'macro caseBound() 0.615 // EOM\nmacro caseParticles() { queueAt(0.3, 0.5, 2e-4, 2500, 0.02); queueAt(0.4, 0.5, 2e-4, 2500, 0.03);'
+    text = THROWN.replace("[labelBottom]", "[labelTop]").replace("macro caseParticles() {", more)
+    freefem_text(text, "-dt", 0.002, "-tend", 0.05, "-drag", "stokes", "-lift", 0, "-every", 0, "-out", tmp_path / "run")
+    gone, steps, entered = rows(tmp_path / "run/exits.csv"), read_table(tmp_path / "run/steps.csv"), rows(tmp_path / "run/entries.csv")
+    through = [row for row in gone if row["outlet"] == "1"]
+    assert len(through) == 11 and all(float(row["t"]) == 0.002 and float(row["x"]) > 0.615 for row in through)
+    assert [int(row["id"]) for row in through] == list(range(30, 41)) and sorted(int(row["id"]) for row in gone) == list(range(41))
+    for name, outlet in (("left", "1"), ("lost", "0")):
+        assert steps[name].tolist() == [sum(row["outlet"] == outlet and float(row["t"]) <= t + 1e-9 for row in gone) for t in steps["t"]]
+    assert [int(row["id"]) for row in entered] == list(range(43)) and [float(row["t"]) for row in entered[-2:]] == pytest.approx([0.02, 0.03])
+    assert (steps["particles"] + steps["waiting"] + steps["left"] + steps["lost"]).tolist() == [43] * len(steps["t"])
 
 
 def test_a_sphere_beyond_the_mesh_is_taken_out(freefem_text, tmp_path):
@@ -612,7 +653,7 @@ def test_who_enters_spins_as_the_flow_does(freefem_text, tmp_path):
 
 def test_an_unsteady_flow_along_y_moves_a_sphere_as_one_along_x(freefem_text, tmp_path):
     sphere = "real[int] x0 = [0.], y0 = [0.], r = [0.01], d = [2500.], z = [0.]; transportAppend(x0, y0, r, d, z, z, z);"
-    words = ["-fluid-acceleration", 1, "-drag", "schiller-naumann", "-dt", 0.001, "-tend", 0.1, "-every", 0.01]
+    words = ["-fluid-acceleration", 1, "-history", 1, "-drag", "schiller-naumann", "-dt", 0.001, "-tend", 0.1, "-every", 0.01]
     along = in_formula(freefem_text, tmp_path / "x", f"carrierU = cos(30*t); carrierV = 0.; {FLAT} carrierUT = -30*sin(30*t); carrierVT = 0.;", sphere, *words)
     up = in_formula(freefem_text, tmp_path / "y", f"carrierV = cos(30*t); carrierU = 0.; {FLAT} carrierVT = -30*sin(30*t); carrierUT = 0.;", sphere, *words)
     assert abs(along["u"]).max() > 0.1
@@ -638,6 +679,20 @@ def test_the_history_of_a_particle_does_not_hang_on_who_comes_and_goes(freefem_t
         np.testing.assert_array_equal(one, other)
 
 
+def test_the_fluctuations_of_a_particle_do_not_depend_on_who_has_left(freefem_text, tmp_path):
+    """One that is there then, and one that enters after."""
+    flow = "carrierU = 1.; carrierV = 0.; carrierSigma = 0.1; carrierRate = 1."
+    bodies = "real[int] x0 = [0.03], y0 = [0.], r = [1e-4], d = [2500.], u0 = [1.], z = [0.]; transportAppend(x0, y0, r, d, u0, z, z); queueAt(0, 0.5, 1e-4, 2500, 0.01); queueAt(0, 0.2, 1e-4, 2500, 0.1);"
+    words = ["-turbulence", "fluctuation", "-drag", "stokes", "-dt", 0.01, "-tend", 0.14, "-every", 0.01]
+    one, other = (in_formula(freefem_text, tmp_path / name, flow + "; // EOM\nmacro caseBound() " + bound, bodies, *words) for name, bound in (("left", "0.05"), ("there", "10.")))
+    assert one["t"][one["id"] == 0].max() < 0.04 < 0.1 < other["t"][other["id"] == 0].max()
+    for number in (1, 2):
+        first = np.column_stack([one[name][one["id"] == number] for name in ("t", "x", "y", "u", "v")])
+        second = np.column_stack([other[name][other["id"] == number] for name in ("t", "x", "y", "u", "v")])
+        assert len(first) > 2
+        np.testing.assert_array_equal(first, second[:len(first)])  # until it leaves too
+
+
 def test_walls_move_before_the_first_particle_is_there(freefem_text, tmp_path):
     """A piston of 1 m/s from x = -0.03 on; a sphere let go at 0.1 is pushed: at 0.15 s its centre is at 0.12 + its radius."""
     bodies = "contactWallSegment(-0.03, -1, -0.03, 1); contactWallVelocity(0, 1, 0); queueAt(0.1, 0, 0.01, 2500, 0.05);"
@@ -655,7 +710,7 @@ def test_drag_that_has_not_settled_is_told_of_once(freefem, tmp_path):
 def test_a_drag_law_beyond_its_range_is_told_of_once(freefem, tmp_path):
     """Flemmer and Banks's has no drag at all above a Reynolds number of a million."""
     words = ("-drag", "flemmer-banks", "-tend", 0.01, "-start-u")
-    fast = freefem(SCRIPT, "-out", tmp_path / "fast", *words, 1000).stdout
+    fast = freefem(SCRIPT, "-out", tmp_path / "fast", *words, 1000, "-number", 2, "-spread", 0.1, "-radius-last", 1e-7).stdout
     assert fast.count("the drag law flemmer-banks is known up to 300000") == 1
     assert "is known up to 300000" not in freefem(SCRIPT, "-out", tmp_path / "slow", *words, 10).stdout
 
@@ -666,6 +721,8 @@ def test_a_constant_drag_far_below_its_range_is_told(freefem, tmp_path):
     assert freefem(SCRIPT, "-out", tmp_path / "constant", *words).stdout.count("take -drag schiller-naumann") == 1
     assert "take -drag" not in freefem(SCRIPT, "-out", tmp_path / "fitted", *words, "-drag", "schiller-naumann").stdout
     assert "take -drag" not in freefem(SCRIPT, "-out", tmp_path / "large", "-radius", 0.01, *words[2:]).stdout
+    assert "take -drag" not in freefem(SCRIPT, "-out", tmp_path / "slowed", "-start-u", 1, "-gravity", 0, "-tend", 0.6, "-dt", 0.01).stdout  # from a Reynolds number of 2000 to 59
+    assert "take -drag" not in freefem(SCRIPT, "-out", tmp_path / "near", "-start-u", 0.2, "-gravity", 0, "-tend", 0.02, "-dt", 0.01).stdout  # 400
 
 
 def test_a_flow_without_k_and_epsilon_has_no_fluctuations(freefem_text, freefem_refused, tmp_path):

@@ -5,6 +5,7 @@ import re
 import pytest
 
 from tools import coupling_effect, transport_two_way
+from tools.mesh_files import read_field
 from tools.run_folder import RunFolder
 from tools.tables import read_table
 from tools.validation import Context
@@ -191,6 +192,55 @@ def test_what_acts_back_is_without_the_stresses_of_the_undisturbed_flow(turbulen
         gained = 2500 * volume * sphere[name][-1] / dt
         assert flow[f"force_{axis}"][-1] == pytest.approx(gained - 1000 * volume * fluid - 1500 * volume * gravity, rel=1e-8)
         assert abs(flow[f"source_{axis}"][-1] + flow[f"force_{axis}"][-1]) < 1e-9
+
+
+FROZEN = """int[int] sides = [3, 2, 3, 1];
+mesh Th = square(4, 4, label = sides);
+include "lib/output.idp"
+real rhoFluid = 1000, mu = 1, gravityX = 0, gravityY = 0;
+include "lib/two_way_steady.idp"
+steadyK = 0.04 + 0.*x; steadyNut = 0.01 + 0.*x; steadyModel = "MODEL";
+steadyU = 1.; steadyV = 0.;
+carrierFlow(steadyU[], steadyV[]);
+int[int] in0 = [1], out0 = [2], walls0 = [3];
+twoWayOfSteady(0.01, in0, out0, walls0);
+cout.precision(12);
+cout << "FOUND " << int2d(Th)(twoWayViscosity) << " " << int1d(Th, twoWayWalls)(twoWayFriction) << " " << twoWayHeld.n << " " << twoWayWalls[0] << endl;
+"""
+
+
+@pytest.mark.parametrize("model", ["laminar", "k-epsilon"])
+def test_the_coupled_flow_keeps_the_eddy_viscosity_and_the_law_of_the_wall(model, freefem_text):
+    """nu + nu_t; u_k/u+ half an element off both walls, of which a laminar flow has none: it does not slip."""
+    viscosity, friction, held, wall = map(float, freefem_text(FROZEN.replace("MODEL", model)).stdout.split("FOUND")[1].split()[:4])
+    assert viscosity == pytest.approx(0.011, rel=1e-9)
+    scale = 0.09**0.25 * 0.2
+    if model == "laminar":
+        assert (held, wall) == (2, -1)
+    else:
+        assert (held, wall) == (1, 3) and friction == pytest.approx(2 * scale * 0.41 / math.log(9 * max(30, scale * 0.125 / 1e-3)), rel=1e-9)
+
+
+def test_rows_of_the_coupling_are_means_and_maxima_of_the_steps(freefem, tmp_path):
+    """A source that is uniform, in a stream: a row of many steps against the rows of each; the volume fraction is that of the box, the speed that of the stream and its change."""
+    words = ["-coupling-width", 10, "-stream", 1, "-start-u", 3, "-start-v", 0, "-mu", 0.01, "-drag", "constant", "-tend", 0.06, "-fields", 1]
+    runs = []
+    for name, every in (("each", 0), ("all", 0.03)):
+        freefem("tests/transport/cloud.edp", "-out", tmp_path / name, "-every", every, *words)
+        runs.append(RunFolder(tmp_path / name).table("coupling"))
+    each, whole = runs
+    assert len(each["t"]) == 7 and whole["t"] == pytest.approx([0, 0.03, 0.06])
+    for name in ("force_x", "force_y", "source_x", "source_y"):
+        assert whole[name][1:] == pytest.approx([each[name][1:4].mean(), each[name][4:].mean()], rel=1e-9, abs=1e-9)
+    assert whole["momentum_x"][1:] == pytest.approx(each["momentum_x"][[3, 6]], rel=1e-9)
+    assert each["volume_fraction_most"][1:] == pytest.approx(100 * 4 / 3 * math.pi * 0.01**3 / 0.001, rel=1e-5)  # the kernel is not quite uniform
+    assert each["change_most"][-1] > 0.1 and each["speed_most"] == pytest.approx(1 + each["change_most"], rel=1e-9)
+    assert each["change_most"] == pytest.approx(each["momentum_x"] / (1000 * 0.001), rel=1e-5)
+    freefem("tests/transport/cloud.edp", "-out", tmp_path / "apart", "-every", 0, "-converge", -20, "-coupling-width", 0.05, "-mu", 0.01, "-drag", "stokes", "-tend", 0.03)
+    thinner = RunFolder(tmp_path / "apart").table("coupling")["volume_fraction_most"][1:]  # spheres that fly apart: of each row's own steps
+    assert (thinner[1:] < 0.95 * thinner[:-1]).all()
+    last = read_field(tmp_path / "each/fields_0000006.vtu")[1]["velocity"]
+    assert last[:, 0] == pytest.approx(each["speed_most"][-1], rel=1e-5)
 
 
 CHANNEL = """include "lib/options.idp"

@@ -16,7 +16,7 @@ from tools.command import BadInput
 
 JET, PIPE, DISK, SPHERES = "cases/pipe_jet.edp", "cases/pipe_obstacles.edp", "cases/settling_disk.edp", "tests/transport/bench.edp"
 FLOW_FILES = ("scripts/flow.edp", "lib/momentum.idp", "lib/pressure.idp")
-CARRIED_FILES = ("lib/transport.idp", "lib/forces.idp")
+CARRIED_FILES = ("lib/transport.idp", "lib/transport_pass.idp", "lib/forces.idp")
 STILL = {"-dt": 0.0005, "-every": 1000}
 PIPE_STEP = {**STILL, "-cfl": 0, "-ramp": 0.01}
 ALONE = {"-number": 5000, "-lift": 0, "-added-mass": 0, "-fluid-acceleration": 0, "-magnus": 0, "-turbulence": "off", "-drag": "brown-lawler", "-dt": 1e-5}
