@@ -50,6 +50,18 @@ def square_mesh(which, size):
     return path
 
 
+# A steady case that makes its mesh itself, and writes a drag of 5 (1 + 0.3 h^2) on it.
+STEADY = """
+include "getARGV.idp"
+real size = getARGV("-size", 0.); int cells = getARGV("-cells", 0);
+string out = getARGV("-out", "out");
+if (cells > 0) size = 1./cells;
+exec("mkdir -p '" + out + "'");
+{ ofstream f(out + "/run.json"); f << "{}" << endl; }
+{ ofstream f(out + "/results.csv"); f.precision(12); f << "quantity,value,unit" << endl << "drag," << 5*(1 + 0.3*size^2) << "," << endl << "cpu_time,1,s" << endl; }
+"""
+
+
 @pytest.fixture
 def case(tmp_path):
     path = tmp_path / "falling.edp"
@@ -81,6 +93,30 @@ def test_a_study_finds_order_and_limit_and_resumes(case, tmp_path, capsys):
     case.write_text(SCRIPT + "\n")
     study.main(words, square_mesh)
     assert "(done before)" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("words, sizes", [(["--cells", "4", "8", "12"], [1 / 4, 1 / 8, 1 / 12]), (["--meshsize", "0.3", "0.2", "0.1", "--by", "size"], [0.3, 0.2, 0.1])])
+def test_a_study_of_a_steady_flow_takes_numbers_of_its_results(tmp_path, capsys, words, sizes):
+    """On meshes that the case makes itself, by its cells or its size."""
+    script = tmp_path / "steady.edp"
+    script.write_text(STEADY)
+    assert study.main([str(script), *words, "--quantity", "result:drag", "--out", str(tmp_path / "out"), "--jobs", "1"]) == 0
+    said = capsys.readouterr().out
+    assert "observed order 2.00, limit 5 " in said
+    assert [float(row["meshsize"]) for row in rows_of(tmp_path / "out")] == pytest.approx(sizes)
+    assert (tmp_path / "out" / "study_result_drag.png").is_file()
+
+
+def test_a_number_that_a_steady_flow_has_not_is_told_with_those_it_has(tmp_path):
+    (tmp_path / "run.json").write_text("{}")
+    one = quantities.parse("result:lift", quantities.load())
+    for text, says in (("quantity,value,unit\ndrag,5.5,\nloss,2,Pa\n", "has no lift; it has drag, loss"), ("quantity,value,unit\nlift,5.5", "no end"), ("quantity,value,unit\nlift,nan,\n", "is nan"),
+                       ("", "cannot read"), ("quantity,value\nlift,five\n", "five")):
+        (tmp_path / "results.csv").write_text(text)
+        value, why = quantities.evaluate(one, RunFolder(tmp_path))
+        assert math.isnan(value) and says in why
+    (tmp_path / "results.csv").write_text("quantity,value,unit\ndrag,5.5,\nlift,-2.25e-3,Pa\n")
+    assert quantities.evaluate(one, RunFolder(tmp_path)) == (-2.25e-3, "")
 
 
 def test_what_a_run_depends_on_holds_the_contents_of_its_inputs(case, tmp_path):
@@ -166,7 +202,7 @@ def test_quantities_of_ones_own(case, tmp_path):
     own.rename(tmp_path / "mine.txt")
     with pytest.raises(BadInput, match="must be Python"):
         quantities.load([tmp_path / "mine.txt"])
-    for text in ("nothing", "rows:x", "rows:1:2"):
+    for text in ("nothing", "rows:x", "rows:1:2", "result", "result:drag:2"):
         with pytest.raises(BadInput):
             quantities.parse(text, known)
 
@@ -174,7 +210,7 @@ def test_quantities_of_ones_own(case, tmp_path):
 def test_the_quantities_of_a_made_up_run(tmp_path):
     run = RunFolder(write_run(tmp_path / "run"))
     known = quantities.load()
-    got = {name: quantities.evaluate(quantities.parse(name, known), run) for name in known}
+    got = {name: quantities.evaluate(quantities.parse(name, known), run) for name in known if name != "result"}  # of steady flows
     assert all(why == "" for _, why in got.values()), got
     assert got["mean_wall_fx"][0] == pytest.approx(3.5) and quantities.mean_wall_fx(run, 4) == pytest.approx(2)
     assert got["mean_fx"][0] == pytest.approx(2) and quantities.mean_fx(run, particle=1) == pytest.approx(3) and got["mean_torque"][0] == pytest.approx(0.5)
@@ -308,7 +344,9 @@ def test_pareto_points_are_those_that_nothing_beats(points):
 
 @pytest.mark.parametrize("words", [
     ["cases/nothing.edp", "--quantity", "mean_v"], ["CASE"], ["CASE", "--quantity", "nothing"],
-    ["CASE", "--quantity", "mean_v", "--meshsize", "-1"], ["CASE", "--quantity", "mean_v", "--dt", "fast"],
+    ["CASE", "--quantity", "mean_v", "--meshsize", "-1"], *(["CASE", "--quantity", "mean_v", option, value] for option in ("--meshsize", "--dt") for value in ("0", "nan", "1e300", "1e-300")),
+    ["CASE", "--quantity", "mean_v", "--cells", "4", "--meshsize", "1"], ["CASE", "--quantity", "mean_v", "--by", "size"], ["CASE", "--quantity", "mean_v", "--cells", "0"], ["CASE", "--quantity", "mean_v", "--order", "1e3"],
+    ["CASE", "--quantity", "result"], ["CASE", "--quantity", "mean_v", "--cells", "4", "8", "--", "-cells", "6"], ["CASE", "--quantity", "mean_v", "--dt", "fast"],
     ["CASE", "--quantity", "mean_v", "--reference", "1", "2"], ["CASE", "--quantity", "mean_v", "--dt", "0.1", "0.1"], ["CASE", "--quantity", "mean_v", "--dt", "0.1", "0.1000000000000001"],
     ["CASE", "--quantity", "mean_v", "--", "-dt", "0.1"], ["CASE", "--quantity", "mean_v", "--", "mu"],
     ["CASE", "--quantity", "mean_v", "--quantities", "nothing.py"],

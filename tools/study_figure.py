@@ -20,6 +20,11 @@ def units_of(records):
     return {"length": "m", "time": "s"}
 
 
+def words_of(quantity):
+    """A quantity's name in words, without its numbers."""
+    return quantity.removeprefix("result:").split(":")[0].replace("_", " ")
+
+
 def plain(axis, values=None):
     """A log axis with plain numbers: the values themselves if they are few, else 1, 2, 5
     of each decade, else the decades."""
@@ -51,10 +56,10 @@ def draw_study(study, records, quantity, reference, uncertainty):
     rows = [r for r in records if 0 < error[id(r)] < math.inf]
     if not rows:
         return None
-    units = units_of(records)
+    units = units_of(records) | ({} if study.by is None else {"length": f"in those of {study.by}"})
     what = against(study, records, quantity)
     kind, of = ("difference", "the finest run") if what == "the finest run" else ("error", "the limit")
-    label = "\n".join(textwrap.wrap(f"{kind} of {quantity.split(':')[0].replace('_', ' ')}" + (" (%)" if reference else ""), 30))
+    label = "\n".join(textwrap.wrap(f"{kind} of {words_of(quantity)}" + (" (%)" if reference else ""), 30))
     axes_of = [(key, other, name) for key, other, name in (
         ("meshsize", "dt", f"element size ({units['length']})"), ("dt", "meshsize", f"time step ({units['time']})"))
         if len({r[key] for r in rows if r[key] is not None}) > 1]
