@@ -222,6 +222,9 @@ def test_the_quantities_of_a_made_up_run(tmp_path):
             bad()
     assert got["mean_u"][0] == pytest.approx(0.9) and got["mean_v"][0] == 0
     assert got["flux_error"][0] == pytest.approx(1e-4, rel=1e-3)
+    assert got["mean_pressure_drop"][0] == pytest.approx(100 * (1 - (math.exp(-3.75) - math.exp(-5)) / 1.25), rel=1e-4)
+    with pytest.raises(ValueError, match="no rows of label 0"):
+        quantities.mean_wall_fx(run, 0)
     assert got["worst_overlap"][0] == pytest.approx(6e-9 / run.particles["radius"].min())
 
 
@@ -254,6 +257,25 @@ def test_values_that_oscillate_or_stand_still_give_no_order():
     assert "one size" in convergence.estimate([1, 0.5], [2.0, math.nan]).note
     assert "order 2 assumed" in convergence.estimate([1, 0.5], [5.0, 2.0]).note
     assert convergence.estimate([1, 0.5, 0.25], [2.0, 1.25, 1.0625]).uncertainty == pytest.approx(1.25 / 16)  # 1 + h^2: the order is seen
+
+
+@pytest.mark.parametrize("p, used, safety", [(2.19, 2.0, 1.25), (1.81, 2.0, 1.25), (2.25, 2.0, 3), (1.7, 1.7, 3), (0.3, 0.5, 3)])
+def test_the_grid_convergence_index_of_a_power_law(p, used, safety):
+    """Celik et al.: F |f1 - f2|/(r^p - 1), F = 1.25 and the formal order where p is within 10 % of it, else 3 with p kept between 0.5 and it; of the finest three of four."""
+    values = [7.0, *(1 + h**p for h in (1, 0.5, 0.25))]
+    one = convergence.estimate([2, 1, 0.5, 0.25], values)
+    step = abs(values[3] - values[2]) / (2**used - 1)
+    assert one.order == pytest.approx(p, rel=1e-6) and one.uncertainty == pytest.approx(safety * step, rel=1e-5) and one.limit == pytest.approx(values[3] - step, rel=1e-6)
+
+
+def test_what_an_estimate_makes_of_few_or_odd_values():
+    assert convergence.estimate([1, 0.5], [5.0, 2.0]).uncertainty == pytest.approx(3 * 3 / 3)  # two sizes, order 2: 3 |f1 - f2|/(2^2 - 1)
+    assert convergence.estimate([8, 1, 0.5, 0.25], [9.0, 1.0, 1.2, 1.1]).uncertainty == pytest.approx(0.6)
+    assert convergence.estimate([1, 0.5, 0.25], [2.0, 2.0 + 1e-12, 2.0]).uncertainty == pytest.approx(1e-12, rel=1e-2)
+    assert "oscillate" not in convergence.estimate([1, 0.5, 0.25], [1.0 + 1e-13, 1.0, 1.1]).note  # the first two differ by rounding
+    assert convergence.fitted_order([1, 0.5, 0.25], [4.0, -1.0, 0.0]) == pytest.approx(2)  # an error of 0 has no logarithm
+    with pytest.raises(ValueError, match="one size"):
+        convergence.estimate([1, 1, 0.5], [1.0, 1.1, 1.2])
 
 
 @pytest.mark.parametrize("last", [1.1, 1.1 + 2e-16, 1.1 - 1e-13])
@@ -425,6 +447,16 @@ def test_windows_of_quantities():
     noisy = SimpleNamespace(case="", tracks={0: {"t": fine, "v": 5 + 2 * fine - fine**2 + 0.01 * np.sin(200 * np.pi * fine)}})
     assert quantities.noise_v(noisy, 0, 1) == pytest.approx(0.01 / 2**0.5 / (17 / 3), rel=2e-3)
     assert quantities.noise_v(noisy, 0.2, 0.3) == pytest.approx(0.01 / 2**0.5 / np.mean(5 + 2 * fine[200:301] - fine[200:301] ** 2), rel=0.02)
+
+
+def test_quantities_of_the_end_and_of_extremes():
+    t = np.arange(3.0)
+    run = SimpleNamespace(case="drum", mesh=None, tracks={0: {"t": t, "x": np.array([1.0, 5, 3]), "y": np.array([2.0, 7, 4]), "theta": np.array([0.0, 9, 6]), "v": t}}, particles={"radius": np.array([0.5])},
+                          fluid={"t": t, "flux_in": np.array([0.5, 0.5, 0.5]), "flux_out": np.array([-0.5, -1.0, -0.5]), "worst_gap": t + 0.1})
+    assert (quantities.final_x(run), quantities.final_y(run), quantities.final_theta(run)) == (3, 4, 6)
+    assert quantities.flux_error(run) == pytest.approx(0.5) and quantities.worst_overlap(run) == 0
+    with pytest.raises(ValueError, match="only 3 rows"):
+        quantities.noise_v(run, 0, 2)
 
 
 @pytest.mark.parametrize("times, window", [((0, 1), ()), ((0, 0.5, 1), ()), ((0, 0.01, 0.02, 0.3, 0.6, 0.9, 1), ()), ((0, 0.5, 1), (0.6, 0.7))])
