@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from tests.synthetic import ROOT, write_csv, write_run
 from tools.check import compare, main, tolerances
 from tools.command import BadInput
+from tools.tables import read_table, write_table
 
 
 def table(path, times, values, name="u", ids=None):
@@ -71,6 +72,51 @@ def test_times_are_aligned_from_either_side(tmp_path):
     b = table(tmp_path / "coarse.csv", coarse, coarse**2)
     assert compare(a, b, ["u"], rtol=0, atol=0.01**2 / 4)
     assert compare(b, a, ["u"], rtol=0, atol=0.01**2 / 4)  # the denser one is interpolated
+
+
+def test_times_that_differ_by_more_than_rounding_are_interpolated(tmp_path):
+    """A row a hundred-thousandth of the run beside the reference's is not taken for it."""
+    reference = table(tmp_path / "a.csv", [0, 1, 2], [0, 1, 2])
+    assert compare(table(tmp_path / "b.csv", [0, 1 + 1e-5, 2], [0, 1 + 1e-5, 2]), reference, ["u:1e-9"])
+    assert compare(table(tmp_path / "c.csv", [0, 1 + 1e-10, 2], [0, 1, 2]), reference, ["u:1e-12"])  # rounding: the row itself
+
+
+def test_the_rows_of_a_run_are_as_far_apart_as_most_of_them(tmp_path):
+    """One gap among them does not let a later end lack."""
+    reference = table(tmp_path / "a.csv", np.arange(11), np.arange(11))
+    assert not compare(table(tmp_path / "b.csv", [0, 1, 2, 3, 7, 8], [0, 1, 2, 3, 7, 8]), reference, ["u"])
+
+
+def test_a_reference_is_compared_with_the_table_of_its_name(tmp_path):
+    """Also where another one has its columns too."""
+    for folder, value in (("run", 1.0), ("reference", 2.0)):
+        (tmp_path / folder).mkdir()
+        table(tmp_path / folder / "fluid.csv", [0, 1], [1.0, 1.0], "energy")
+        table(tmp_path / folder / "motion.csv", [0, 1], [value, value], "energy")
+    result = compare(tmp_path / "run", tmp_path / "reference" / "motion.csv", ["energy"])
+    assert not result and result.worst.file == "motion.csv"
+
+
+def test_a_table_of_a_spreadsheet_is_read(tmp_path):
+    """With the mark of its encoding; a column without a name is refused."""
+    (tmp_path / "a.csv").write_bytes(b"\xef\xbb\xbft,u\r\n0,1\r\n1,2\r\n")
+    assert list(read_table(tmp_path / "a.csv")) == ["t", "u"]
+    (tmp_path / "b.csv").write_text("t,u,\n0,1,2\n")
+    with pytest.raises(BadInput, match="empty or a repeated column name"):
+        read_table(tmp_path / "b.csv")
+
+
+def test_a_table_is_written_whole_with_twelve_digits(tmp_path):
+    """Rows that break off leave the one that was there."""
+    path = tmp_path / "a.csv"
+    write_table(path, ["t", "u"], [[1 / 3, None], [2, -1e-9 / 3]], ["made up"])
+    assert path.read_text() == "# made up\nt,u\n0.333333333333,\n2,-3.33333333333e-10\n"
+    before = path.read_text()
+    with pytest.raises(ZeroDivisionError):
+        write_table(path, ["t", "u"], ([1, 1 / k] for k in (1, 0)))
+    assert path.read_text() == before and [one.name for one in tmp_path.iterdir()] == ["a.csv"]
+    path.write_text("# made up\n\nt,u\n \n1,2\n  # and so on\n")
+    assert read_table(path)["u"] == [2]
 
 
 def test_a_run_that_stops_early_fails(tmp_path):

@@ -231,11 +231,25 @@ BAD = [
     (["cavity", "--size", 1e-7], "vertices"),
     (["backward_step", "--stretch", 0.97], "must be at least 1"),
     (["sudden_expansion", "--stretch", 0.97], "must be at least 1"),
-    (["cavity", "--size", 1e-300], "vertices"),  # refused by its number, before any array
+    (["cavity", "--size", 1e-30], "vertices"),  # refused by its number, before any array
+    *(([case, "--size", size], "between 1e-30 and 1e+30") for case in ("cavity", "pipe_obstacles") for size in (1e-300, 1e300)),
+    (["pipe_obstacles", "--throat-factor", 1e-300], "between 1e-30 and 1e+30"),
+    (["pipe_obstacles", "--length", 1e300], "between 1e-30 and 1e+30"),
+    (["pipe_obstacles", "--obstacle-base", 1e-30], "far shorter than the elements"),  # gmsh searched for ever
+    (["box_corridor", "--height", 1e-30], "too large for the height of the box"),
+    (["cylinder_channel", "--radius", 1e-30], "corners are one point"),
+    (["sprung_cylinder", "--coarse-factor", 1e30], "too large for a side"),
     *(([case, "--size", 1e-15], "vertices") for case in ("box", "box_corridor", "backward_step", "sudden_expansion", "couette", "sprung_cylinder")),
     (["backward_step", "--size", 1], "too large"),
     (["sudden_expansion", "--ratio", 1], "larger than 1"),
 ]
+
+
+def test_a_box_of_nanometres_has_the_cells_of_one_of_units():
+    """Grid points were rounded to the 14th decimal, which is the third digit of such a cell."""
+    words = {"--width": 2, "--height": 6, "--corridor-position": 1, "--corridor-width": 0.75, "--size": 1 / 16}
+    (_, one), (_, tiny) = (built("box_corridor", *(word for name, value in words.items() for word in (name, unit * value))) for unit in (1, 1e-9))
+    np.testing.assert_allclose(tiny.points * 1e9, one.points, rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize("words, complaint", BAD, ids=lambda value: " ".join(map(str, value)) if isinstance(value, list) else "")

@@ -8,7 +8,7 @@ from conftest import ROOT
 
 from tools.peers.openfoam_case import field, read_field
 from tools.peers.with_openfoam import Pipe, Slit, Step
-from tools.validate_steady import OPENFOAM, openfoam
+from tools.validation.turbulence import OPENFOAM, openfoam
 
 
 def area(mesh):

@@ -336,6 +336,20 @@ def test_the_energies_have_their_names_above_them(tmp_path, monkeypatch):
     plt.close(drawn[0])
 
 
+def test_an_energy_of_nothing_is_not_drawn_as_one(tmp_path, monkeypatch):
+    """Particles at rest had a millionth of the largest energy in the picture."""
+    write_run(tmp_path, steps=10)
+    write_csv(tmp_path / "motion.csv", ["step", "t", "kinetic_energy", "potential_energy", "worst_gap"], [[k, k, 8 - k if k < 8 else 0, 1, 0] for k in range(10)])
+    drawn = []
+    monkeypatch.setattr(plot_contacts, "save", lambda figure, path: drawn.append(figure))
+    plot_contacts.plot_energy(plot_contacts.ContactRun(tmp_path), None)
+    top = drawn[0].axes[0]
+    low, _ = top.get_ylim()
+    kinetic, potential = (line.get_ydata() for line in top.lines)
+    assert (kinetic[:8] > low).all() and (kinetic[8:] < low).all() and (potential < low).all()
+    plt.close(drawn[0])
+
+
 def test_the_names_of_the_series_are_no_longer_than_their_axes(tmp_path, monkeypatch):
     folder, drawn = write_run(tmp_path / "run", steps=20), []
     table = read_table(folder / "fluid.csv")
@@ -510,6 +524,24 @@ def test_title_and_colour_bar_of_a_film_keep_apart_and_in_the_picture(run, exten
     assert not heading.overlaps(bar.get_window_extent()) and not heading.overlaps(words)
     for box in (heading, words):
         assert box.x0 >= 0 and box.y0 >= 0 and box.x1 <= figure.bbox.x1 and box.y1 <= figure.bbox.y1
+    plt.close(figure)
+
+
+@pytest.mark.parametrize("draw", ["plot_fields", "plot_trajectories"])
+@pytest.mark.parametrize("extent", [(0, 0, 100, 1), (0, 0, 1, 0.3)])
+def test_a_colour_bar_is_as_long_as_its_label(run, extent, draw, monkeypatch):
+    """Beside a pipe 100 times as long as high it was a tenth of it."""
+    drawn = []
+    monkeypatch.setattr(plot, "save", lambda figure, path: drawn.append(figure))
+    run.__dict__["extent"], run.__dict__["frames"] = extent, run.frames[-1:]
+    getattr(plot, draw)(run, None)
+    figure, bar = drawn[0], drawn[0].axes[-1]
+    figure.draw_without_rendering()
+    words, long = bar.yaxis.label.get_window_extent(), bar.get_window_extent()
+    assert words.height < long.height and not figure.texts[0].get_window_extent().overlaps(long)
+    assert 0 < words.y0 and words.y1 < figure.bbox.y1
+    heights = [label.get_window_extent() for label in figure.axes[0].get_yticklabels() if label.get_text()]
+    assert heights and not [1 for a, b in zip(heights, heights[1:]) if a.overlaps(b)]
     plt.close(figure)
 
 

@@ -59,7 +59,9 @@ def test_a_whole_run_is_stable_and_accurate_only_near_its_reference(tmp_path):
     assert judge(WELL, CHECKS, folder, lambda run: (0.01, 0.02))[0] == "accurate"
     kind, why, depth = judge(WELL, CHECKS, folder, lambda run: (0.03, 0.02))
     assert kind == "stable" and "0.03" in why and depth == 0
-    assert judge(WELL, CHECKS, folder, lambda run: (math.nan, 0.02))[0] == "stable"
+    for error in (math.nan, math.inf, -math.inf):
+        kind, why, _ = judge(WELL, CHECKS, folder, lambda run: (error, 0.02))
+        assert kind == "stable" and "no error to judge by" in why
 
 
 @pytest.mark.parametrize("table, column, row, value, words", [
@@ -119,6 +121,23 @@ def test_a_disk_that_jumps_over_a_wall_is_found(tmp_path):
     kind, why, _ = judge(WELL, Checks({}, 1.0), folder)
     assert kind == "overlap" and "passed through a wall" in why
     assert judge(WELL, Checks({}, 1.0, within={"x": (0, 0.2)}), folder)[0] == "overlap"
+
+
+@pytest.mark.parametrize("low, high", [(-1, 0.5), (0.2, 2)])
+def test_a_centre_beyond_where_it_can_go_is_found_on_either_side(tmp_path, low, high):
+    kind, why, _ = judge(WELL, Checks({}, 1.0, within={"x": (low, high)}), apart(tmp_path / "run"))
+    assert kind == "overlap" and "beyond where it can go" in why
+    assert judge(WELL, Checks({}, 1.0, within={"x": (-1, 2)}), tmp_path / "run")[0] == "stable"
+
+
+def test_a_disk_within_a_wall_is_named(tmp_path):
+    """Deeper than all pairs: at y = 0.03, beside a wall a fifth of its radius off."""
+    folder = apart(tmp_path / "run")
+    table = read_table(folder / "particles.csv")
+    radius = table["radius"][table["id"] == 1][0]
+    write_csv(folder / "walls.csv", ["x1", "y1", "x2", "y2"], [[-1, 0.03 - 0.2 * radius, 2, 0.03 - 0.2 * radius]])
+    kind, why, depth = judge(WELL, Checks({}, 1.0), folder)
+    assert kind == "overlap" and "particle 1 overlaps a wall by 0.8 radii" in why and depth == pytest.approx(0.8, rel=1e-6)
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.7, 2.9])

@@ -50,6 +50,18 @@ def square_mesh(which, size):
     return path
 
 
+# A steady case that makes its mesh itself, and writes a drag of 5 (1 + 0.3 h^2) on it.
+STEADY = """
+include "getARGV.idp"
+real size = getARGV("-size", 0.); int cells = getARGV("-cells", 0);
+string out = getARGV("-out", "out");
+if (cells > 0) size = 1./cells;
+exec("mkdir -p '" + out + "'");
+{ ofstream f(out + "/run.json"); f << "{}" << endl; }
+{ ofstream f(out + "/results.csv"); f.precision(12); f << "quantity,value,unit" << endl << "drag," << 5*(1 + 0.3*size^2) << "," << endl << "cpu_time,1,s" << endl; }
+"""
+
+
 @pytest.fixture
 def case(tmp_path):
     path = tmp_path / "falling.edp"
@@ -81,6 +93,41 @@ def test_a_study_finds_order_and_limit_and_resumes(case, tmp_path, capsys):
     case.write_text(SCRIPT + "\n")
     study.main(words, square_mesh)
     assert "(done before)" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("words, sizes", [(["--cells", "4", "8", "12"], [1 / 4, 1 / 8, 1 / 12]), (["--meshsize", "0.3", "0.2", "0.1", "--by", "size"], [0.3, 0.2, 0.1])])
+def test_a_study_of_a_steady_flow_takes_numbers_of_its_results(tmp_path, capsys, words, sizes):
+    """On meshes that the case makes itself, by its cells or its size."""
+    script = tmp_path / "steady.edp"
+    script.write_text(STEADY)
+    assert study.main([str(script), *words, "--quantity", "result:drag", "--out", str(tmp_path / "out"), "--jobs", "1"]) == 0
+    said = capsys.readouterr().out
+    assert "observed order 2.00, limit 5 " in said
+    assert [float(row["meshsize"]) for row in rows_of(tmp_path / "out")] == pytest.approx(sizes)
+    assert (tmp_path / "out" / "study_result_drag.png").is_file()
+
+
+@pytest.mark.parametrize("by, unit", [(None, "m"), ("-cells", "1/cells"), ("-size", "that of -size")])
+def test_the_figure_of_a_study_names_the_unit_of_its_sizes(tmp_path, monkeypatch, by, unit):
+    one = study.Study("cases/made_up.edp", [1, 0.5, 0.25], [None], ["q"], out=tmp_path, by=by)
+    figures = []
+    monkeypatch.setattr(study_figure, "save", lambda figure, path: figures.append(figure))
+    study_figure.draw_study(one, made_up_records((1.4, 1.2, 1.15), write_run(tmp_path / "run")), "q", 1.1, 0.1)
+    sizes, times = figures[0].axes
+    names = [text.get_text() for text in times.get_legend().get_texts()]
+    assert sizes.get_xlabel() == f"element size ({unit})" and ("element size 0.25 m" if by is None else "element size 0.25") in names
+
+
+def test_a_number_that_a_steady_flow_has_not_is_told_with_those_it_has(tmp_path):
+    (tmp_path / "run.json").write_text("{}")
+    one = quantities.parse("result:lift", quantities.load())
+    for text, says in (("quantity,value,unit\ndrag,5.5,\nloss,2,Pa\n", "has no lift; it has drag, loss"), ("quantity,value,unit\nlift,5.5", "no end"), ("quantity,value,unit\nlift,nan,\n", "is nan"),
+                       ("", "cannot read"), ("quantity,value\nlift,five\n", "five")):
+        (tmp_path / "results.csv").write_text(text)
+        value, why = quantities.evaluate(one, RunFolder(tmp_path))
+        assert math.isnan(value) and says in why
+    (tmp_path / "results.csv").write_text("quantity,value,unit\ndrag,5.5,\nlift,-2.25e-3,Pa\n")
+    assert quantities.evaluate(one, RunFolder(tmp_path)) == (-2.25e-3, "")
 
 
 def test_what_a_run_depends_on_holds_the_contents_of_its_inputs(case, tmp_path):
@@ -166,7 +213,7 @@ def test_quantities_of_ones_own(case, tmp_path):
     own.rename(tmp_path / "mine.txt")
     with pytest.raises(BadInput, match="must be Python"):
         quantities.load([tmp_path / "mine.txt"])
-    for text in ("nothing", "rows:x", "rows:1:2"):
+    for text in ("nothing", "rows:x", "rows:1:2", "result", "result:drag:2"):
         with pytest.raises(BadInput):
             quantities.parse(text, known)
 
@@ -174,7 +221,7 @@ def test_quantities_of_ones_own(case, tmp_path):
 def test_the_quantities_of_a_made_up_run(tmp_path):
     run = RunFolder(write_run(tmp_path / "run"))
     known = quantities.load()
-    got = {name: quantities.evaluate(quantities.parse(name, known), run) for name in known}
+    got = {name: quantities.evaluate(quantities.parse(name, known), run) for name in known if name != "result"}  # of steady flows
     assert all(why == "" for _, why in got.values()), got
     assert got["mean_wall_fx"][0] == pytest.approx(3.5) and quantities.mean_wall_fx(run, 4) == pytest.approx(2)
     assert got["mean_fx"][0] == pytest.approx(2) and quantities.mean_fx(run, particle=1) == pytest.approx(3) and got["mean_torque"][0] == pytest.approx(0.5)
@@ -186,6 +233,9 @@ def test_the_quantities_of_a_made_up_run(tmp_path):
             bad()
     assert got["mean_u"][0] == pytest.approx(0.9) and got["mean_v"][0] == 0
     assert got["flux_error"][0] == pytest.approx(1e-4, rel=1e-3)
+    assert got["mean_pressure_drop"][0] == pytest.approx(100 * (1 - (math.exp(-3.75) - math.exp(-5)) / 1.25), rel=1e-4)
+    with pytest.raises(ValueError, match="no rows of label 0"):
+        quantities.mean_wall_fx(run, 0)
     assert got["worst_overlap"][0] == pytest.approx(6e-9 / run.particles["radius"].min())
 
 
@@ -218,6 +268,25 @@ def test_values_that_oscillate_or_stand_still_give_no_order():
     assert "one size" in convergence.estimate([1, 0.5], [2.0, math.nan]).note
     assert "order 2 assumed" in convergence.estimate([1, 0.5], [5.0, 2.0]).note
     assert convergence.estimate([1, 0.5, 0.25], [2.0, 1.25, 1.0625]).uncertainty == pytest.approx(1.25 / 16)  # 1 + h^2: the order is seen
+
+
+@pytest.mark.parametrize("p, used, safety", [(2.19, 2.0, 1.25), (1.81, 2.0, 1.25), (2.25, 2.0, 3), (1.7, 1.7, 3), (0.3, 0.5, 3)])
+def test_the_grid_convergence_index_of_a_power_law(p, used, safety):
+    """Celik et al.: F |f1 - f2|/(r^p - 1), F = 1.25 and the formal order where p is within 10 % of it, else 3 with p kept between 0.5 and it; of the finest three of four."""
+    values = [7.0, *(1 + h**p for h in (1, 0.5, 0.25))]
+    one = convergence.estimate([2, 1, 0.5, 0.25], values)
+    step = abs(values[3] - values[2]) / (2**used - 1)
+    assert one.order == pytest.approx(p, rel=1e-6) and one.uncertainty == pytest.approx(safety * step, rel=1e-5) and one.limit == pytest.approx(values[3] - step, rel=1e-6)
+
+
+def test_what_an_estimate_makes_of_few_or_odd_values():
+    assert convergence.estimate([1, 0.5], [5.0, 2.0]).uncertainty == pytest.approx(3 * 3 / 3)  # two sizes, order 2: 3 |f1 - f2|/(2^2 - 1)
+    assert convergence.estimate([8, 1, 0.5, 0.25], [9.0, 1.0, 1.2, 1.1]).uncertainty == pytest.approx(0.6)
+    assert convergence.estimate([1, 0.5, 0.25], [2.0, 2.0 + 1e-12, 2.0]).uncertainty == pytest.approx(1e-12, rel=1e-2, abs=0)
+    assert "oscillate" not in convergence.estimate([1, 0.5, 0.25], [1.0 + 1e-13, 1.0, 1.1]).note  # the first two differ by rounding
+    assert convergence.fitted_order([1, 0.5, 0.25], [4.0, -1.0, 0.0]) == pytest.approx(2)  # an error of 0 has no logarithm
+    with pytest.raises(ValueError, match="one size"):
+        convergence.estimate([1, 1, 0.5], [1.0, 1.1, 1.2])
 
 
 @pytest.mark.parametrize("last", [1.1, 1.1 + 2e-16, 1.1 - 1e-13])
@@ -308,7 +377,9 @@ def test_pareto_points_are_those_that_nothing_beats(points):
 
 @pytest.mark.parametrize("words", [
     ["cases/nothing.edp", "--quantity", "mean_v"], ["CASE"], ["CASE", "--quantity", "nothing"],
-    ["CASE", "--quantity", "mean_v", "--meshsize", "-1"], ["CASE", "--quantity", "mean_v", "--dt", "fast"],
+    ["CASE", "--quantity", "mean_v", "--meshsize", "-1"], *(["CASE", "--quantity", "mean_v", option, value] for option in ("--meshsize", "--dt") for value in ("0", "nan", "1e300", "1e-300")),
+    ["CASE", "--quantity", "mean_v", "--cells", "4", "--meshsize", "1"], ["CASE", "--quantity", "mean_v", "--by", "size"], ["CASE", "--quantity", "mean_v", "--cells", "0"], ["CASE", "--quantity", "mean_v", "--order", "1e3"],
+    ["CASE", "--quantity", "result"], ["CASE", "--quantity", "mean_v", "--cells", "4", "8", "--", "-cells", "6"], ["CASE", "--quantity", "mean_v", "--dt", "fast"],
     ["CASE", "--quantity", "mean_v", "--reference", "1", "2"], ["CASE", "--quantity", "mean_v", "--dt", "0.1", "0.1"], ["CASE", "--quantity", "mean_v", "--dt", "0.1", "0.1000000000000001"],
     ["CASE", "--quantity", "mean_v", "--", "-dt", "0.1"], ["CASE", "--quantity", "mean_v", "--", "mu"],
     ["CASE", "--quantity", "mean_v", "--quantities", "nothing.py"],
@@ -387,6 +458,16 @@ def test_windows_of_quantities():
     noisy = SimpleNamespace(case="", tracks={0: {"t": fine, "v": 5 + 2 * fine - fine**2 + 0.01 * np.sin(200 * np.pi * fine)}})
     assert quantities.noise_v(noisy, 0, 1) == pytest.approx(0.01 / 2**0.5 / (17 / 3), rel=2e-3)
     assert quantities.noise_v(noisy, 0.2, 0.3) == pytest.approx(0.01 / 2**0.5 / np.mean(5 + 2 * fine[200:301] - fine[200:301] ** 2), rel=0.02)
+
+
+def test_quantities_of_the_end_and_of_extremes():
+    t = np.arange(3.0)
+    run = SimpleNamespace(case="drum", mesh=None, tracks={0: {"t": t, "x": np.array([1.0, 5, 3]), "y": np.array([2.0, 7, 4]), "theta": np.array([0.0, 9, 6]), "v": t}}, particles={"radius": np.array([0.5])},
+                          fluid={"t": t, "flux_in": np.array([0.5, 0.5, 0.5]), "flux_out": np.array([-0.5, -1.0, -0.5]), "worst_gap": t + 0.1})
+    assert (quantities.final_x(run), quantities.final_y(run), quantities.final_theta(run)) == (3, 4, 6)
+    assert quantities.flux_error(run) == pytest.approx(0.5) and quantities.worst_overlap(run) == 0
+    with pytest.raises(ValueError, match="only 3 rows"):
+        quantities.noise_v(run, 0, 2)
 
 
 @pytest.mark.parametrize("times, window", [((0, 1), ()), ((0, 0.5, 1), ()), ((0, 0.01, 0.02, 0.3, 0.6, 0.9, 1), ()), ((0, 0.5, 1), (0.6, 0.7))])

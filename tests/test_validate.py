@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from tests.synthetic import ROOT, write_csv
-from tools import validate
+from tools import validate, validate_steady
 from tools.command import BadInput
 from tools.run_folder import RunFolder
 from tools.tables import read_table
-from tools.validation import Context, Failed, Run, discover, judge, settling_disk, sprung_cylinder, suspension
+from tools.validation import Context, Failed, Run, discover, judge, settling_disk, sprung_cylinder, suspension, turbulence
 
 
 def read_report(folder):
@@ -70,9 +70,39 @@ def test_a_run_that_fails_is_a_row_and_the_rest_goes_on(tmp_path):
 @pytest.mark.parametrize("measured,options,passed", [
     (1.01, {"rtol": 0.011}, True), (1.01, {"rtol": 0.009}, False), (1.01, {"atol": 0.02}, True), (3, {"at_most": 3}, True),
     (3, {"at_most": 2}, False), (3, {"at_least": 2}, True), (math.nan, {"rtol": 1}, False), (math.inf, {"at_most": 1}, False),
+    (2, {"between": (2, 3)}, True), (3, {"between": (2, 3)}, True), (1.99, {"between": (2, 3)}, False), (3.01, {"between": (2, 3)}, False), (math.nan, {"between": (0, 9)}, False),
     (math.nan, {"at_most": 1}, False), (math.nan, {"at_least": 1}, False), (math.inf, {"at_least": 2}, False), (-math.inf, {"at_most": 1}, False)])
 def test_judging(measured, options, passed):
     assert judge(1.0, measured, **options)[0] is passed
+
+
+def test_steady_flows_have_one_judge(tmp_path, monkeypatch):
+    """A number below its range (a negative residual) passed one of two, and one that a run lacks ended all that came after it."""
+    folder = tmp_path / "run"
+    folder.mkdir()
+    (folder / "run.json").write_text("{}")
+    (folder / "results.csv").write_text("quantity,value,unit\nresidual,-1,\nloss,2,\n")
+
+    def run(context, script, options, name, mesh=None):
+        if name == "fails":
+            raise Failed("fails: not converged (status 4)", 3.0)
+        return Run(RunFolder(folder), 1.5, 0.0)
+    monkeypatch.setattr(Context, "run", run)
+    monkeypatch.setattr(validate_steady, "RUNS", [
+        ("a", "a.edp", {}, [("residual", "asked for", 0, 1e-6), ("loss", "measured", 1.9, 2), ("drag", "measured", 1, 2)]),
+        ("fails", "b.edp", {}, [("loss", "measured", 1, 2)]), ("c", "c.edp", {}, [("loss", "measured", 2.1, 3)])])
+    monkeypatch.setattr(turbulence, "RUNS", validate_steady.RUNS)
+    expected = [False, True, False, False, False]
+    assert [row.passed for row in turbulence.turbulence(Context("flow", tmp_path))] == expected
+    assert validate_steady.main(["--out", str(tmp_path)]) == 1
+    _, rows = read_report(tmp_path)
+    assert [row["pass"] == "yes" for row in rows] == expected
+    assert [row["quantity"] for row in rows] == ["a: residual", "a: loss", "a: drag", "fails: loss", "c: loss"]
+    assert rows[2]["reason"] == "results.csv has no drag" and "not converged" in rows[3]["reason"] and rows[4]["allowed"] == "2.1 to 3"
+    validate_steady.RUNS.pop(0), validate_steady.RUNS.pop(0), validate_steady.RUNS.append(("d", "d.edp", {}, [("loss", "measured", 1.9, 2)]))
+    assert validate_steady.main(["--out", str(tmp_path), "--only", "d"]) == 0
+    with pytest.raises(BadInput, match="no run has 'x' in its name: c, d"):
+        validate_steady.main(["--only", "x"])
 
 
 def test_every_registered_comparison_has_a_line_on_itself():

@@ -13,6 +13,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 BAD_INPUT = 3
+LEAST, MOST = 1e-30, 1e30  # of a positive argument
 
 
 class BadInput(Exception):
@@ -47,10 +48,12 @@ def number(text):
 
 
 def positive(text):
-    """An argument type: a number above 0."""
+    """An argument type: a number above 0, of which squares and quotients are numbers too."""
     value = number(text)
     if value <= 0:
         raise argparse.ArgumentTypeError(f"{text} must be positive")
+    if not LEAST <= value <= MOST:
+        raise argparse.ArgumentTypeError(f"{text} must be between {LEAST:g} and {MOST:g}")
     return value
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
+LARGEST_ORDER = 12.0
 ROUNDING = 1e-11  # of the values: differences within it are of the 12 digits that are written
 
 
@@ -37,7 +38,7 @@ def observed_order(sizes, values):
 
     def miss(p):
         return ((h3 / h2) ** p - 1) / (1 - (h1 / h2) ** p) - ratio
-    low, high = 0.05, 12.0
+    low, high = 0.05, LARGEST_ORDER
     if miss(low) * miss(high) > 0:
         return math.nan
     return float(brentq(miss, low, high))

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from tools.command import BadInput
-from tools.plotting import (draw_boundary, draw_speed, fitting, frame, panels, particle_artists, plt,
+from tools.plotting import (draw_boundary, draw_speed, fitting, frame, lowest_with, panels, particle_artists, plt,
                             speed_of, speed_top, time_text)
 
-DPI, LOWEST = 160, 2.6  # inches: height of a film at least, for the words at its colour bar
+DPI = 160
 
 
 def thinned(run, frames, most):
@@ -37,7 +37,8 @@ def pictures(run, frames):
     if with_velocity:
         sample = sorted(set(np.linspace(0, len(numbers) - 1, min(12, len(numbers))).astype(int)))
         top, extend = speed_top([speed_of(run.field(numbers[k])[1]) for k in sample])
-    figure, (axes,), bar = panels(1, run.extent, height=6.4, lowest=LOWEST)
+    label = f"velocity magnitude ({length}/{second})"
+    figure, (axes,), bar = panels(1, run.extent, height=6.4, lowest=lowest_with(label))
     figure.set_dpi(DPI)
     draw_boundary(axes, run)
     frame(axes, run.extent, length)
@@ -56,7 +57,7 @@ def pictures(run, frames):
                 if drawn is not None:
                     drawn.remove()
                 drawn, shape = draw_speed(axes, mesh, speed_of(values), top), mesh.triangles
-                figure.colorbar(drawn, cax=bar, extend=extend).set_label(f"velocity magnitude ({length}/{second})")
+                figure.colorbar(drawn, cax=bar, extend=extend).set_label(label)
         elif bar is not None:
             bar.remove()
             bar = None
@@ -125,7 +126,3 @@ def make_film(run, out, most=300, gif=False):
     """Write film.mp4 or film.gif into the folder `out`; returns its path."""
     frames = thinned(run, run.frames, most)
     return write_film(out, pictures(run, frames), frame_rate(len(frames)), gif)
-
-
-if __name__ == "__main__":
-    raise SystemExit("error: a film is made by  python -m tools.plot RUN --only film")

@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from tools.command import BadInput, Parser, guarded, whole
 from tools.film import make_film
-from tools.plotting import (LINE_MAP, PAGE_WIDTH, ROUNDING, clip_to, curve, draw_boundary, draw_speed, fitting, frame, headline, panels, particle_artists,
+from tools.plotting import (LINE_MAP, PAGE_WIDTH, ROUNDING, clip_to, curve, draw_boundary, draw_speed, fitting, frame, headline, lowest_with, panels, particle_artists,
                             plt, save, speed_of, speed_top, time_text)
 from tools.quantities import closed
 from tools.run_folder import RunFolder
@@ -45,7 +45,8 @@ def plot_fields(run, path, number=6):
     fields = [None if k is None else run.field(k) for _, k in chosen]
     with_velocity = all(field is not None for field in fields)
     top, extend = speed_top([speed_of(values) for _, values in fields]) if with_velocity else (1, "neither")
-    figure, axes, bar = panels(len(chosen), run.extent)
+    label = f"velocity magnitude ({length}/{second})"
+    figure, axes, bar = panels(len(chosen), run.extent, lowest=lowest_with(label) if with_velocity else 0.0)
     drawn = None
     for one, (t, _), field in zip(axes, chosen, fields):
         if with_velocity:
@@ -57,7 +58,7 @@ def plot_fields(run, path, number=6):
         when = time_text(t, second, chosen[-1][0])
         one.set_title(fitting([when, when[4:], when.split()[2], f"{t:.2g}"], one.room - 0.1), pad=3)
     if drawn is not None:
-        figure.colorbar(drawn, cax=bar, extend=extend).set_label(f"velocity magnitude ({length}/{second})")
+        figure.colorbar(drawn, cax=bar, extend=extend).set_label(label)
     else:
         bar.remove()
     what = "velocity and particles" if with_velocity and run.has("particles") else \
@@ -90,10 +91,11 @@ def plot_trajectories(run, path):
     if not tracks:
         raise BadInput(f"{run.folder / 'particles.csv'} has no rows: no trajectory to draw")
     length = run.units["length"]
-    figure, (axes,), bar = panels(1, run.extent, height=6.0)
     diameters = np.array([2 * track["radius"][-1] for track in tracks])
     low, high = diameters.min(), diameters.max()
     several, size = high - low > 1e-6 * high, "long axis" if run.has("shapes") else "diameter"
+    label = f"{size} ({length})"
+    figure, (axes,), bar = panels(1, run.extent, height=6.0, lowest=lowest_with(label) if several else 0.0)
     scale = plt.Normalize(low, high) if several else plt.Normalize(0.5 * low, 1.5 * high)
     ends, colours, last = [], [], max([track["t"][-1] for track in tracks] + [run.columns(name)["t"].max(initial=0) for name in ("fluid", "steps") if run.has(name)])
     for track, diameter in zip(tracks, diameters):
@@ -114,7 +116,7 @@ def plot_trajectories(run, path):
     draw_boundary(axes, run)
     frame(axes, run.extent, length)
     if several:
-        figure.colorbar(plt.cm.ScalarMappable(scale, LINE_MAP), cax=bar).set_label(f"{size} ({length})")
+        figure.colorbar(plt.cm.ScalarMappable(scale, LINE_MAP), cax=bar).set_label(label)
     else:
         bar.remove()
     number = f"{len(tracks)} particles" if len(tracks) > 1 else "one particle"

@@ -205,8 +205,9 @@ def plot_energy(run, path):
     figure, (top, low) = plt.subplots(2, 1, figsize=(PAGE_WIDTH, 4.6), sharex=True, layout="constrained")
     fallen = motion["potential_energy"] - motion["potential_energy"].min()
     floor = 1e-6 * max(motion["kinetic_energy"].max(), fallen.max(), 1e-300)
-    top.semilogy(t, np.maximum(motion["kinetic_energy"], floor), label="kinetic", **curve(0))
-    top.semilogy(t, np.maximum(fallen, floor), label="potential, above its least", **curve(1))
+    for k, (values, name) in enumerate(((motion["kinetic_energy"], "kinetic"), (fallen, "potential, above its least"))):
+        top.semilogy(t, np.maximum(values, 0.01 * floor), label=name, **curve(k))  # what is less than the floor, 0 too, leaves the picture below
+    top.set_ylim(bottom=floor)
     top.set_ylabel(f"energy per depth\n({run.units_per_depth['energy']})")
     top.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)  # a run that ends before rest has curves everywhere
     radius = run.particles["radius"].min()

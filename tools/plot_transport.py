@@ -12,7 +12,7 @@ import numpy as np
 from tools.command import BadInput, Parser, guarded
 from tools.mesh_files import read_field
 from tools.plot import plot_trajectories
-from tools.plotting import draw_boundary, draw_speed, fitting, frame, headline, panels, particle_artists, save, speed_of, speed_top, time_text
+from tools.plotting import draw_boundary, draw_speed, fitting, frame, headline, lowest_with, panels, particle_artists, save, speed_of, speed_top, time_text
 from tools.run_folder import RunFolder
 
 DOT = 3.0  # points: the least diameter that is drawn
@@ -35,7 +35,8 @@ def plot_transport(run, path, times=None):
         raise BadInput(f"{run.folder / 'particles.csv'} has no rows: nothing to draw")
     flow = read_field(field) if field.is_file() else None
     times = chosen_times(run) if times is None else times
-    figure, axes, bar = panels(len(times), run.extent)
+    label = f"speed of the flow ({run.units_per_depth['speed']})"
+    figure, axes, bar = panels(len(times), run.extent, lowest=lowest_with(label) if flow else 0.0)
     drawn, tiny, scale = None, False, axes[0].get_position().width * figure.get_figwidth() / run.extent[2]
     top, extend = speed_top([speed_of(flow[1])]) if flow else (1, "neither")
     for one, t in zip(axes, times):
@@ -54,7 +55,7 @@ def plot_transport(run, path, times=None):
     if drawn is None:
         bar.remove()
     else:
-        figure.colorbar(drawn, cax=bar, extend=extend).set_label(f"speed of the flow ({run.units_per_depth['speed']})")
+        figure.colorbar(drawn, cax=bar, extend=extend).set_label(label)
     headline(figure, run.title + (": flow and particles" if flow else ": particles") + (" (dots: larger than they are)" if tiny else ""))
     return save(figure, path)
 

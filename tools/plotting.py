@@ -27,6 +27,8 @@ ROUNDING = 1e-10  # of the radius: smaller overlaps are not drawn
 PAGE_WIDTH = 7.2  # inches: fits a printed page
 DIGIT, OVERHANG = 0.073, 0.07  # inches: width of a digit of a tick's label; what of a label may stand out beside a panel
 LETTER, COLUMN = 0.075, 0.8  # inches: a letter of a title; the least that a column of panels takes with its gap, for title and names below
+LINE = 0.13  # inches: height of a tick's label
+MARGINS = (0.62, 1.0, 0.52, 0.46)  # inches: left, right, bottom, top of panels
 
 plt.rcParams.update({
     "font.size": 9, "axes.titlesize": 9, "axes.labelsize": 9, "legend.fontsize": 8,
@@ -42,7 +44,7 @@ def curve(k):
     return {"color": colour, "linestyle": dash}
 
 
-def panels(number, extent, width=PAGE_WIDTH, height=8.6, gaps=(0.2, 0.34), margins=(0.62, 1.0, 0.52, 0.46), lowest=0.0):
+def panels(number, extent, width=PAGE_WIDTH, height=8.6, gaps=(0.2, 0.34), margins=MARGINS, lowest=0.0):
     """A figure with `number` panels of the scene's own proportions and room for a colour
     bar on the right, rows and columns chosen so that the panels are as large as the page
     allows. Returns (figure, axes in reading order, axes of the colour bar).
@@ -88,6 +90,11 @@ def panels(number, extent, width=PAGE_WIDTH, height=8.6, gaps=(0.2, 0.34), margi
     return figure, axes, bar
 
 
+def lowest_with(label, margins=MARGINS):
+    """The least height of a figure, inches, whose colour bar is as long as its label."""
+    return margins[2] + margins[3] + LETTER * len(label)
+
+
 def fitting(words, inches):
     """The first of some titles that is no wider than this, else the last."""
     return next((text for text in words if LETTER * len(text) < inches), words[-1])
@@ -115,6 +122,16 @@ def fit_ticks(axes, inches, ends=None):
     axes.xaxis.set_major_locator(FixedLocator(fits[0] if fits else single[0]))
 
 
+def fit_heights(axes, inches):
+    """Ticks along y, one alone where the labels of two would overlap."""
+    axes.locator_params(axis="y", nbins=int(np.clip(inches / 0.3, 2, 9)))
+    low, high = axes.get_ylim()
+    ticks = axes.yaxis.get_major_locator().tick_values(low, high)
+    ticks = ticks[(ticks >= low) & (ticks <= high)]
+    if len(ticks) > 1 and (ticks[1] - ticks[0]) * inches / (high - low) < LINE:
+        axes.yaxis.set_major_locator(FixedLocator(ticks[len(ticks) // 2:][:1]))
+
+
 def frame(axes, extent, length="m", pad=0.015):
     """Limits with a small border, in proportion so that the panel is filled; equal aspect, labels with the unit of length."""
     x0, y0, w, h = extent
@@ -123,7 +140,7 @@ def frame(axes, extent, length="m", pad=0.015):
     axes.set_ylim(y0 - pad * h, y0 + h + pad * h)
     slots = axes.get_position().size * axes.figure.get_size_inches()
     fit_ticks(axes, slots[0], (x0, x0 + w))
-    axes.locator_params(axis="y", nbins=int(np.clip(slots[1] / 0.3, 2, 9)))
+    fit_heights(axes, slots[1])
     for side in axes.spines.values():
         side.set_visible(False)
     if getattr(axes, "last_row", True):

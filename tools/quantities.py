@@ -3,11 +3,12 @@
 A study names them: --quantity mean_v, or with arguments mean_v:0.2:0.5. One's own stand
 in a Python file given with --quantities FILE, written like these: a public function whose
 first argument is the run (tools.run_folder.RunFolder) and whose others are numbers with
-defaults. The first line of the docstring is what --help shows. A function that cannot
+defaults, or words where they are marked so (name: str). The first line of the docstring is what --help shows. A function that cannot
 give its number raises ValueError with the reason.
 """
 import importlib.util
 import inspect
+import itertools
 import math
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from tools.command import BadInput
 WINDOWS = {"settling_disk": (0.3, 0.4)}
 DENSE = 0.1  # of the time of all rows: neighbours closer than this make a mean over any window
 NO_FLUX = 1e-10  # of the top speed times the longer side of the domain: smaller fluxes are rounding
-NOT_QUANTITIES = ("closed", "functions_of", "load", "summary", "parse", "evaluate")
+NOT_QUANTITIES = ("closed", "functions_of", "load", "usage", "summary", "parse", "evaluate")
 
 
 def _window(run, start, end, times):
@@ -128,6 +129,13 @@ def mean_pressure_drop(run, start=math.nan, end=math.nan):
     return _mean(run, *_column(run, "pressure_drop"), start, end)
 
 
+def result(run, name: str):
+    """A number of results.csv, where steady flows write theirs, by its name (result:drag_coefficient)."""
+    if name not in run.results:
+        raise ValueError(f"results.csv has no {name}; it has {', '.join(run.results)}")
+    return run.results[name]
+
+
 def mean_wall_fx(run, label=-1, start=math.nan, end=math.nan):
     """Mean force of the fluid along x on the walls of a label (default: all) over a window (-wallforces 1)."""
     table = run.table("wallforces")
@@ -229,27 +237,32 @@ def load(extra=()):
     return known
 
 
+def usage(name, one):
+    """How a quantity is asked for: its name and its arguments in their order."""
+    return ":".join([name, *(word.upper() for word in list(inspect.signature(one).parameters)[1:])])
+
+
 def summary(known):
     """One line per quantity, for --help: its name, its arguments in their order, and what it is."""
-    def usage(name, one):
-        return ":".join([name, *(word.upper() for word in list(inspect.signature(one).parameters)[1:])])
     return "\n".join(f"  {usage(name, one):<38}  {(inspect.getdoc(one) or '').splitlines()[0] if one.__doc__ else ''}"
                      for name, one in sorted(known.items()))
 
 
 def parse(text, known):
     """'mean_v:0.2:0.5' as a function of the run."""
-    name, *numbers = text.split(":")
+    name, *words = text.split(":")
     if name not in known:
         raise BadInput(f"there is no quantity {name}; known are {', '.join(sorted(known))}")
+    signature = inspect.signature(known[name])
+    kinds = [one.annotation in (str, "str") for one in list(signature.parameters.values())[1:]]
     try:
-        numbers = [float(number) for number in numbers]
-        inspect.signature(known[name]).bind(None, *numbers)
+        values = [word if is_word else float(word) for word, is_word in itertools.zip_longest(words, kinds[:len(words)], fillvalue=False)]
+        signature.bind(None, *values)
     except ValueError:
         raise BadInput(f"quantity '{text}' needs numbers after its name") from None
     except TypeError:
-        raise BadInput(f"quantity '{text}' has too many or too few numbers: {name}{inspect.signature(known[name])}") from None
-    return lambda run: known[name](run, *numbers)
+        raise BadInput(f"quantity '{text}' has too many or too few arguments: {usage(name, known[name])}") from None
+    return lambda run: known[name](run, *values)
 
 
 def evaluate(function, run):

@@ -194,8 +194,10 @@ class RunFolder:
         """results.csv of a steady flow as {quantity: value}."""
         path = self.folder / "results.csv"
         try:
-            with open(path, newline="", encoding="utf-8") as stream:
-                return {row["quantity"]: float(row["value"]) for row in csv.DictReader(stream)}
+            text = path.read_text(encoding="utf-8")
+            if not text.endswith("\n"):
+                raise ValueError("its last line has no end: the run was cut off while it wrote it, or writes it now")
+            return {row["quantity"]: float(row["value"]) for row in csv.DictReader(text.splitlines())}
         except (OSError, ValueError, KeyError, TypeError) as problem:
             raise BadInput(f"cannot read {path}: {problem}") from None
 

@@ -3,6 +3,8 @@
     python -m tools.study cases/settling_disk.edp --meshsize 0.0625 0.0417 0.03125 \\
         --dt 0.002 0.001 --quantity mean_v --reference -5.5073
     python -m tools.study CASE --dt 0.01 0.005 --quantity final_y -- -scheme published -penalty 1e-6
+    python -m tools.study cases/cylinder_steady.edp --meshsize 0.24 0.12 0.06 --quantity result:drag_coefficient
+    python -m tools.study cases/diaphragm_loss.edp --cells 6 8 12 --quantity result:loss_coefficient
 
 Runs the case at every pair of element size and time step, over the cores, or one by one
 with --timing (the CPU time of a run beside another one is not a measurement). What is
@@ -22,6 +24,7 @@ keep them by -- -cfl 0.
 
 Status 0: all runs ended well; 1: some failed; 3: bad input.
 """
+import argparse
 import concurrent.futures
 import hashlib
 import itertools
@@ -43,19 +46,22 @@ from tools.command import ROOT, BadInput, Parser, case_options, guarded, number,
 from tools.mesh_files import read_mesh
 from tools.run_folder import RunFolder
 from tools.runner import commit, cores, fingerprint, freefem, named_files, run_case, side_by_side
+from tools.convergence import LARGEST_ORDER
 from tools.study_report import error_of, extrapolated, name_of, report
 from tools.tables import write_table, write_text
 
 COLUMNS = ["case", "meshsize", "dt", "options", "quantity", "value", "reference", "error", "relative_error",
            "cpu_s", "wall_s", "steps", "vertices", "memory_mib", "timing", "commit", "status", "reason", "run"]
 SAME_LENGTH = 1e-6  # of a length: edges this close are of one length
+CELLS = "-cells"  # the option of cases that take a number of cells rather than a size
 SAME_PLACE = 1e-9  # of the domain: points this close are one
 
 
 @dataclass
 class Study:
     """What to run. meshsizes in the case's unit of length, dts in s; None in a list stands
-    for the case's default. reference: one value per quantity, or None."""
+    for the case's default. reference: one value per quantity, or None. by: the option of a case
+    that makes its mesh itself ("-size", "-cells"), None for -mesh."""
     script: str
     meshsizes: list = field(default_factory=lambda: [None])
     dts: list = field(default_factory=lambda: [None])
@@ -69,6 +75,7 @@ class Study:
     limit: float = None
     retry: bool = False
     recipe: str = None
+    by: str = None
     own: list = field(default_factory=list)
     formal_order: float = 2.0
 
@@ -146,6 +153,11 @@ def true_sizes(meshes):
     return {size: true[size] if uniform and size in true and not math.isclose(true[size], size, rel_tol=SAME_LENGTH) else size for size in meshes}
 
 
+def own_mesh(name, size):
+    """{option: value} by which a case makes its mesh itself: a size, or as many cells as go into 1."""
+    return {name: round(1 / size) if name == CELLS else float(size)}
+
+
 def one_run(study, size, dt, mesh):
     """Run one pair of size and step, or read what is there; returns its record as a dict.
     mesh: the file, None for the case's own, or a BadInput why there is none."""
@@ -157,6 +169,8 @@ def one_run(study, size, dt, mesh):
     options = dict(study.options)
     if mesh is not None:
         options["-mesh"] = str(mesh)
+    if study.by and size is not None:
+        options |= own_mesh(study.by, size)
     if dt is not None:
         options["-dt"] = float(dt)
     key = fingerprint(study.script, options)
@@ -225,7 +239,7 @@ def run_study(study, mesh_maker=make_mesh, say=print):
     functions = {text: quantities.parse(text, known) for text in study.quantities}
     if not (ROOT / study.script).is_file():
         raise BadInput(f"there is no script {study.script}")
-    if mesh_maker is make_mesh and study.meshsizes != [None]:
+    if mesh_maker is make_mesh and not study.by and study.meshsizes != [None]:
         require_recipe(study.recipe or study.case)
     freefem()
     study.out = Path(study.out or ROOT / "results" / "study" / study.case).resolve()
@@ -238,7 +252,7 @@ def run_study(study, mesh_maker=make_mesh, say=print):
     with side_by_side(workers) as pool:
         def mesh_of(size):
             try:
-                return None if size is None else Path(mesh_maker(study, size)).resolve()
+                return None if size is None or study.by else Path(mesh_maker(study, size)).resolve()
             except BadInput as problem:
                 return problem
         meshes = dict(zip(study.meshsizes, pool.map(mesh_of, study.meshsizes)))
@@ -295,17 +309,27 @@ def write_study(study, records, references):
     write_table(study.out / "study.csv", COLUMNS, rows)
 
 
+def order(text):
+    """An argument type: an order of convergence."""
+    value = positive(text)
+    if value > LARGEST_ORDER:
+        raise argparse.ArgumentTypeError(f"an order of {text} is none of a scheme: at most {LARGEST_ORDER:g}")
+    return value
+
+
 def parser():
     """The options."""
     options = Parser(prog="python -m tools.study", epilog="quantities (mean_v:0.2:0.5 gives numbers to the first arguments; -1 of a particle: that of the least id; nan of a time: as without):\n"
                      + quantities.summary(quantities.load()), description=__doc__)
     options.add_argument("script", help="the case, such as cases/settling_disk.edp")
     options.add_argument("--meshsize", nargs="+", type=positive, metavar="H", help="element sizes (default: the case's mesh)")
+    options.add_argument("--by", choices=["mesh", "size"], default="mesh", help="how the case takes them: a mesh of tools.mesh (default), or its own option -size (turbulent_step)")
+    options.add_argument("--cells", nargs="+", type=whole(1), metavar="N", help="instead of sizes: numbers for the case's own option -cells (diaphragm_loss, turbulent_channel); sizes are then 1/N")
     options.add_argument("--dt", nargs="+", type=positive, metavar="DT", help="time steps, s (default: the case's)")
     options.add_argument("--quantity", nargs="+", required=True, metavar="NAME", help="what to measure, see below")
     options.add_argument("--reference", nargs="+", type=number, metavar="VALUE", help="exact values, one per quantity")
     options.add_argument("--quantities", nargs="+", default=[], metavar="FILE", help="Python files with quantities of your own")
-    options.add_argument("--order", type=positive, default=2.0, help="formal order of the scheme (default 2)")
+    options.add_argument("--order", type=order, default=2.0, help="formal order of the scheme (default 2)")
     options.add_argument("--out", metavar="DIR", help="where all goes (default results/study/CASE)")
     options.add_argument("--jobs", type=whole(1), default=cores(), metavar="N", help=f"runs at a time (default {cores()}: the cores)")
     options.add_argument("--timing", action="store_true", help="one run at a time, so that CPU times are measurements")
@@ -325,13 +349,18 @@ def main(words=None, mesh_maker=make_mesh):
         raise BadInput(f"{len(given.reference)} references for {len(given.quantity)} quantities: give one each")
     if given.out and not re.fullmatch(r"[A-Za-z0-9._/+=,@%-]+", given.out):
         raise BadInput(f"--out '{given.out}' holds signs other than letters, figures and . _ - / + = , @ %, which FreeFEM takes in no folder of a run")
-    for name, values in (("--meshsize", given.meshsize), ("--dt", given.dt), ("--quantity", given.quantity)):
+    for name, values in (("--meshsize", given.meshsize), ("--cells", given.cells), ("--dt", given.dt), ("--quantity", given.quantity)):
         if values and len({name_of(value, None) if name != "--quantity" else value for value in values}) < len(values):
             raise BadInput(f"{name} names one value twice")
+    if given.cells and (given.meshsize or given.by != "mesh"):
+        raise BadInput("--cells takes the place of --meshsize and --by: leave one out")
+    if given.by != "mesh" and not given.meshsize:
+        raise BadInput(f"--by {given.by} needs --meshsize")
+    sizes, by = [1 / n for n in given.cells] if given.cells else given.meshsize, CELLS if given.cells else {"mesh": None}.get(given.by, f"-{given.by}")
     script = os.path.relpath(Path(given.script).resolve(), ROOT) if Path(given.script).is_file() else given.script
-    study = Study(script, given.meshsize or [None], given.dt or [None], given.quantity, given.reference,
-                  case_options(words[cut + 1:], ["-dt", "-out", *(["-mesh"] if given.meshsize else [])]), given.out and Path(given.out), given.jobs, given.timing, given.repeat,
-                  given.limit, given.retry, given.recipe, given.quantities, given.order)
+    study = Study(script, sizes or [None], given.dt or [None], given.quantity, given.reference,
+                  case_options(words[cut + 1:], ["-dt", "-out", *([by or "-mesh"] if sizes else [])]), given.out and Path(given.out), given.jobs, given.timing, given.repeat,
+                  given.limit, given.retry, given.recipe, by, given.quantities, given.order)
     records, references = run_study(study, mesh_maker, say=lambda line: print(line, flush=True))
     for line in report(study, records, references):
         print(line)

@@ -16,8 +16,13 @@ def units_of(records):
     """Unit names of the first run that ended."""
     for record in records:
         if record["status"] == 0:
-            return RunFolder(record["run"]).units
+            return dict(RunFolder(record["run"]).units)
     return {"length": "m", "time": "s"}
+
+
+def words_of(quantity):
+    """A quantity's name in words, without its numbers."""
+    return quantity.removeprefix("result:").split(":")[0].replace("_", " ")
 
 
 def plain(axis, values=None):
@@ -52,11 +57,13 @@ def draw_study(study, records, quantity, reference, uncertainty):
     if not rows:
         return None
     units = units_of(records)
+    size_unit = {None: units["length"], "-cells": "1/cells"}.get(study.by, f"that of {study.by}")
+    units["length"] = units["length"] if study.by is None else ""  # behind a number: whatever the case's own option takes
     what = against(study, records, quantity)
     kind, of = ("difference", "the finest run") if what == "the finest run" else ("error", "the limit")
-    label = "\n".join(textwrap.wrap(f"{kind} of {quantity.split(':')[0].replace('_', ' ')}" + (" (%)" if reference else ""), 30))
+    label = "\n".join(textwrap.wrap(f"{kind} of {words_of(quantity)}" + (" (%)" if reference else ""), 30))
     axes_of = [(key, other, name) for key, other, name in (
-        ("meshsize", "dt", f"element size ({units['length']})"), ("dt", "meshsize", f"time step ({units['time']})"))
+        ("meshsize", "dt", f"element size ({size_unit})"), ("dt", "meshsize", f"time step ({units['time']})"))
         if len({r[key] for r in rows if r[key] is not None}) > 1]
     number = len(axes_of) + 1
     figure, panels = plt.subplots(1, number, figsize=(min(PAGE_WIDTH * 1.25, 3.1 * number + 0.4), 3.3), sharey=True,
@@ -67,7 +74,7 @@ def draw_study(study, records, quantity, reference, uncertainty):
             line = sorted((r[key], error[id(r)]) for r in rows if r[other] == fixed and r[key] is not None)
             word = {"dt": "time step", "meshsize": "element size"}[other]
             axes.plot(*zip(*line), marker=MARKERS[k % len(MARKERS)], markersize=5, **curve(k),
-                      label=f"{word} {fixed:.4g} {units['time' if other == 'dt' else 'length']}" if fixed is not None else f"error over {name.split(' (')[0]}")
+                      label=f"{word} {fixed:.4g} {units['time' if other == 'dt' else 'length']}".rstrip() if fixed is not None else f"error over {name.split(' (')[0]}")
         slopes(axes, [r[key] for r in rows if r[key] is not None], max(error[id(r)] for r in rows))
         axes.set_xlabel(name)
     last = panels[-1]
@@ -76,7 +83,7 @@ def draw_study(study, records, quantity, reference, uncertainty):
         some = [r for r in timed if r["meshsize"] == size]
         last.plot([r["cpu_s"] for r in some], [error[id(r)] for r in some], linestyle="none",
                   marker=MARKERS[k % len(MARKERS)], markersize=6, color=curve(k)["color"],
-                  label=f"element size {size:.4g} {units['length']}" if size is not None else "runs")
+                  label=f"element size {size:.4g} {units['length']}".rstrip() if size is not None else "runs")
     front = [timed[k] for k in pareto([r["cpu_s"] for r in timed], [error[id(r)] for r in timed])]
     if len(front) > 1:
         last.plot([r["cpu_s"] for r in front], [error[id(r)] for r in front], color="#808080", linewidth=1, zorder=1,

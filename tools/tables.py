@@ -91,5 +91,8 @@ def write_text(path, text):
 def whole(path):
     """The name to write a file under, which then replaces the file: who reads it, or stops the program, never meets half of one."""
     part = Path(f"{path}.part")
-    yield part
-    os.replace(part, path)
+    try:
+        yield part
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)

@@ -28,6 +28,7 @@ def build(options):
     require(bottom < top <= o.height, f"the corridor reaches from y = {bottom:g} to {top:g}, not upwards within the box from 0 to {o.height:g}")
     require(1 <= o.coarse_factor <= 8, "--coarse-factor must be between 1 and 8: cells beyond are too long")
     require_cells(o.size, o.corridor_width, "the corridor")
+    require_cells(o.size, o.height, "the height of the box")
     outline = box_outline(o.width, o.height, o.sides)
     if o.pattern == "unstructured":
         middle = [((o.corridor_position, bottom), (o.corridor_position, top))]

@@ -58,6 +58,8 @@ def refuse_impossible(o):
         throat = 2 * (o.radius - o.obstacle_height)
         require(throat > 0, f"the obstacles meet: their height {o.obstacle_height:g} is not below half the pipe, {o.radius:g}")
         require(o.size <= throat, f"the element size {o.size:g} is larger than the throat between the obstacles, {throat:g}")
+        least = 0.25 * o.size * o.wall_factor
+        require(o.obstacle_base >= least, f"the base of the obstacles, {o.obstacle_base:g}, is far shorter than the elements: at least {least:.2g}")
         half = o.obstacle_base / 2
         zones.append(("obstacle", o.obstacle_position - half, o.obstacle_position + half))
     for name, start, end in zones:

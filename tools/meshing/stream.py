@@ -25,6 +25,7 @@ def build(options):
     require(gap > 0, f"the place of the body, {o.reach:g} about ({x:g}, {y - o.stroke:g} to {y + o.stroke:g}), is not within {o.length:g} x {o.height:g}")
     require_cells(o.size, o.reach, "the place of the body")
     require(o.coarse_factor >= 1, "--coarse-factor must be at least 1")
+    require_cells(o.size * o.coarse_factor, min(o.length, o.height), "a side (--size times --coarse-factor)")
     outline = rectangle(0, o.length, 0, o.height, "bottom", "outlet", "top", "inlet")
     near = [SizeNear([((x, y - o.stroke), (x, y + o.stroke))], o.size, o.reach)]
     near += wake(x, o.length, y, o.size * o.wake_factor, o.size * o.wake_growth, o.wake_width / 2, o.size * o.coarse_factor)

@@ -77,4 +77,6 @@ def towards_ends(start, end, number, ratio):
 
 def joined(*pieces):
     """One increasing array of grid points from pieces that share their ends."""
-    return np.unique(np.concatenate([np.round(piece, 14) for piece in pieces]))
+    points = np.concatenate(pieces)
+    decimals = 14 - min(0, int(np.floor(np.log10(np.ptp(points)))))  # of a domain of less than 1 as many digits as of one of 1
+    return np.unique(np.round(points, decimals))

@@ -56,9 +56,11 @@ class Run:
     memory_mb: float
 
 
-def judge(target, measured, rtol=None, atol=None, at_most=None, at_least=None):
+def judge(target, measured, rtol=None, atol=None, at_most=None, at_least=None, between=None):
     """(passed, what was allowed in words) of a measured number; not finite never passes."""
-    if at_most is not None:
+    if between is not None:
+        within, allowed = between[0] <= measured <= between[1], f"{between[0]:g} to {between[1]:g}"
+    elif at_most is not None:
         within, allowed = measured <= at_most, f"at most {at_most:g}"
     elif at_least is not None:
         within, allowed = measured >= at_least, f"at least {at_least:g}"
@@ -67,7 +69,7 @@ def judge(target, measured, rtol=None, atol=None, at_most=None, at_least=None):
     elif rtol is not None:
         within, allowed = abs(measured - target) <= rtol * abs(target), f"+- {100 * rtol:g} %"
     else:
-        raise ValueError("a row needs rtol, atol, at_most or at_least")
+        raise ValueError("a row needs rtol, atol, at_most, at_least or between")
     return bool(within and math.isfinite(measured)), allowed
 
 
@@ -102,11 +104,11 @@ class Context:
         except BadInput as problem:
             raise Failed(f"{name}: {problem}", done.cpu_s) from None
 
-    def row(self, quantity, source, target, measured, rtol=None, atol=None, at_most=None, at_least=None,
+    def row(self, quantity, source, target, measured, rtol=None, atol=None, at_most=None, at_least=None, between=None,
             cpu_s=math.nan, figure=None, reason=""):
-        """A Row that passes within rtol |target|, within atol, or on the right side of a bound.
-        at_most and at_least are bounds in the unit of the quantity; target may then be nan."""
-        passed, allowed = judge(target, measured, rtol, atol, at_most, at_least)
+        """A Row that passes within rtol |target|, within atol, on the right side of a bound, or between two.
+        at_most, at_least and between are bounds in the unit of the quantity; target may then be nan."""
+        passed, allowed = judge(target, measured, rtol, atol, at_most, at_least, between)
         return Row(self.case, quantity, source, float(target), allowed, float(measured), passed, cpu_s,
                    figure and str(figure), reason)
 
