@@ -596,6 +596,14 @@ def test_carried_particles_without_a_mesh_have_their_walls_their_units_and_no_sp
         plt.close(figure)
 
 
+def test_forces_of_contacts_without_a_step_are_refused(tmp_path):
+    """They were drawn as infinite."""
+    folder = write_run(tmp_path, steps=10)
+    write_csv(folder / "motion.csv", ["step", "t", "kinetic_energy", "potential_energy", "worst_gap"], [[0, 0, 1, 1, 0]])
+    with pytest.raises(BadInput, match="no row behind the start"):
+        plot_contacts.plot_chains(plot_contacts.ContactRun(folder), folder / "chains.png")
+
+
 def test_a_run_of_contacts_without_a_row_of_its_motion_is_refused(tmp_path):
     """It has begun and was cut off: rows of particles and contacts may be there before the first of motion.csv."""
     write_csv(tmp_path / "particles.csv", "t id x y theta u v radius".split(), [[0.1, 0, 0, 1, 0, 0, -1, 0.5]])

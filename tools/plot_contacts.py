@@ -178,6 +178,8 @@ def plot_chains(run, path):
     i = np.array([place[int(a)] for a in contacts["i"][now]])
     motion = run.columns("motion")
     j, step = contacts["j"][now].astype(int), motion["t"][-1] / max(motion["step"][-1], 1)  # -dt is shortened to a whole part of -tend
+    if not step > 0:
+        raise BadInput(f"{run.folder / 'motion.csv'} has no row behind the start: impulses of contacts need a step to be forces")
     force = contacts["impulse"][now] / step
     a = np.column_stack([frame["x"], frame["y"]])[i]
     normal = np.column_stack([contacts["nx"][now], contacts["ny"][now]])
