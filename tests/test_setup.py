@@ -57,6 +57,13 @@ def test_no_global_hides_a_word_of_the_language(path):
     assert not hidden, f"{path} declares {sorted(hidden)}: FreeFEM would use these instead of its own"
 
 
+def test_cholmod_is_told_that_the_matrix_is_symmetric():
+    """FreeFEM 4.9 returns garbage when a form lacks `sym = 1`, FreeFEM 4.15 aborts when `set` does."""
+    calls = [(path, call) for path in SCRIPTS for call in re.findall(r'[^;]*"CHOLMOD"[^;]*;', re.sub(r"//[^\n]*", "", (ROOT / path).read_text())) if "solver" in call]
+    assert len(calls) >= 8
+    assert not [(path, call) for path, call in calls if not re.search(r"\bsym ?= ?1\b", call)]
+
+
 @pytest.mark.skipif(not (ROOT / ".git").exists(), reason="not a checkout")
 def test_the_repository_holds_plain_files_and_nothing_that_is_made():
     """A link, to an environment elsewhere for one, leads nowhere on another machine."""
