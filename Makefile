@@ -1,4 +1,4 @@
-# make run and make test do everything a bare Debian 12 or Ubuntu needs first.
+# make run and make test do everything a bare Debian 12, 13 or Ubuntu needs first.
 # FREEFEM names another program, for instance: make test FREEFEM=/opt/ff/bin/FreeFem++
 
 FREEFEM ?= FreeFem++

@@ -38,9 +38,33 @@ def test_a_body_thrown_into_fluid_at_rest_shares_its_momentum(ratio, freefem_tex
         momentum = run.table("budget")["momentum_x"]
         drift.append(abs(momentum[-1] - momentum[0]) / momentum[0])
         ends.append(run.particles["u"][-1])
-    assert momentum[0] == pytest.approx(np.pi * 0.13**2 * ratio, rel=0.1 if ratio < 1 else 0.02)  # light ones: their nodes' share
+    assert momentum[0] == pytest.approx(np.pi * 0.13**2 * ratio, rel=0.05 if ratio < 1 else 0.02)
     assert drift[1] < 0.02 and drift[0] < 0.04
     assert ends[0] == pytest.approx(ends[1], rel=0.05)
+
+
+def test_a_thrown_light_disk_of_few_elements_goes_alike_at_any_place(freefem_text, tmp_path):
+    """A fifth of the fluid's density, four elements across: by place its nodes had 0.93 to 1.42 of its momentum, and after 0.05 s velocities differed by half."""
+    text = f'int[int] sides = [13, 12, 14, 11];\nsavemesh(square(16, 16, label = sides), "{tmp_path}/box.mesh");\n'
+    speeds = []
+    for x, y in ((0.51, 0.53), (0.5, 0.5), (0.523, 0.487), (0.541, 0.5037)):
+        freefem_text(text + box(f"bodyAdd({x}, {y}, 0.13, 0.2, 1, 0, 0, 1);"), "-mesh", tmp_path / "box.mesh", "-dt", 0.0025, "-tend", 0.05, "-cfl", 0, "-convection", 0, "-overwrite", 1, "-out", tmp_path / "run")
+        speeds.append(RunFolder(tmp_path / "run").particles["u"][-1])
+    assert np.ptp(speeds) < 0.1 * np.mean(speeds)
+    assert np.mean(speeds) == pytest.approx(0.1062, rel=0.05)  # 25 elements across
+
+
+def test_bodies_that_start_with_the_motion_of_the_fluid_keep_it(freefem_text, tmp_path):
+    """A drum that turns as a whole, and disks and an ellipse of any density with it."""
+    text = f'''border side(t = 0, 2*pi) {{ x = cos(t); y = sin(t); label = 3; }}
+savemesh(buildmesh(side(60)), "{tmp_path}/drum.mesh");
+''' + case("{ bodyAdd(0.4, 0.1, 0.2, 0.1, -0.1, 0.4, 1, 1); bodyAdd(-0.3, 0.3, 0.25, 1, -0.3, -0.3, 1, 1); bodyEllipse(-0.1, -0.5, 0.3, 0.15, 0.4, 5); bodyQ[2] = 0.5; bodyQ[5] = -0.1; bodyQ[8] = 1; }",
+                walls="", moving="labelWall", gravity=0, more="macro boundaryU() -y // EOM\nmacro boundaryV() x // EOM\nmacro caseStart() { Wh u = -y, v = x; flowU = u[]; flowV = v[]; } // EOM")
+    freefem_text(text, "-mesh", tmp_path / "drum.mesh", "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
+    rows = RunFolder(tmp_path / "run").table("entries")
+    assert len(rows["id"]) == 3
+    assert np.abs(rows["u"] + rows["y"]).max() < 1e-6 and np.abs(rows["v"] - rows["x"]).max() < 1e-6
+    assert np.abs(RunFolder(tmp_path / "run").particles["omega"] - 1).max() < 1e-3
 
 
 def test_no_more_is_dissipated_than_a_thrown_disk_shares_with_the_fluid(freefem_text, tmp_path):
@@ -228,22 +252,24 @@ def spin_down(ratio, nu, omega, radius, end, cells=500, steps=4000):
     return np.linspace(0, end, steps + 1), np.array(found)
 
 
-@pytest.mark.parametrize("ratio, dt, far", [(0.1, 0.005, 0.02), (0.3, 0.005, 0.003), (1, 0.01, 0.003), (5, 0.01, 0.001)])
-def test_a_turning_disk_comes_to_rest(ratio, dt, far, freefem, freefem_text, tmp_path):
-    """Turned in a drum of radius 1, 22 elements across: rates from 0.05 s on, of the first one, and the angle. No pressure acts on it, so nothing may swing."""
+@pytest.mark.parametrize("ratio, dt, far, turned", [(0.1, 0.005, 0.003, 0.002), (0.3, 0.005, 0.005, 0.0012), (1, 0.01, 0.002, 0.0012), (5, 0.01, 0.0005, 0.0004)])
+def test_a_turning_disk_comes_to_rest(ratio, dt, far, turned, freefem, freefem_text, tmp_path):
+    """Turned in a drum of radius 1, 22 elements across: rates from 0.05 s on, of the first one, and the angle. No pressure acts on it, so nothing may swing. At any place:
+    before the moment of momentum at the start was that of the disk, rates were 0.001 to 0.022 off, by place, and the angle of the lightest by 0.01."""
     drum = tmp_path / "drum.edp"
-    drum.write_text(f'border side(t = 0, 2*pi) {{ x = cos(t); y = sin(t); label = 3; }}\nmesh Th = buildmesh(side(230));\nsavemesh(Th, "{tmp_path}/drum.mesh");\n')
+    drum.write_text(f'border side(t = 0, 2*pi) {{ x = cos(t); y = sin(t); label = 3; }}\nmesh Th = buildmesh(side(231));\nsavemesh(Th, "{tmp_path}/drum.mesh");\n')
     freefem(drum)
     nu, end = 0.02, 0.4
-    text = case("{ bodyAdd(0.003, 0.005, 0.3, %g, 0, 0, 2, 1); }" % ratio, walls="labelWall", mu=nu, gravity=0)
-    freefem_text(text, "-mesh", tmp_path / "drum.mesh", "-dt", dt, "-tend", end, "-out", tmp_path / "run")
-    run = RunFolder(tmp_path / "run").particles
     times, rates = spin_down(ratio, nu, 2, 0.3, end)
-    exact = np.interp(run["t"], times, rates)
-    late = run["t"] > 0.05 - 1e-9
-    assert abs(run["omega"] - exact)[late].max() < far * 2
-    assert run["theta"][-1] == pytest.approx(np.trapezoid(rates, times), abs=far * 2 * end)
-    assert (np.diff(run["omega"]) < 1e-6).all()
+    for x, y in ((0.003, 0.005), (0.002, 0.003), (0.05, 0.02)):
+        text = case(f"{{ bodyAdd({x}, {y}, 0.3, {ratio}, 0, 0, 2, 1); }}", walls="labelWall", mu=nu, gravity=0)
+        freefem_text(text, "-mesh", tmp_path / "drum.mesh", "-dt", dt, "-tend", end, "-overwrite", 1, "-out", tmp_path / "run")
+        run = RunFolder(tmp_path / "run").particles
+        exact = np.interp(run["t"], times, rates)
+        late = run["t"] > 0.05 - 1e-9
+        assert abs(run["omega"] - exact)[late].max() < far * 2
+        assert run["theta"][-1] == pytest.approx(np.trapezoid(rates, times), abs=turned * 2 * end)
+        assert (np.diff(run["omega"]) < 1e-6).all()
 
 
 @pytest.mark.parametrize("ratio", [3, 20])
