@@ -10,7 +10,7 @@ import pytest
 from conftest import ROOT
 from tools import bench_contacts, plotting
 from tools.bench import __main__ as bench
-from tools.bench import skip
+from tools.bench import flow, skip
 from tools.bench.figure import draw
 from tools.bench.page import write_page
 from tools.bench.rounds import Job, Point, collect, ratio_at_equal_error, run_rounds
@@ -178,3 +178,13 @@ def test_times_of_contacts_within_a_decade_have_numbers_at_their_axis(tmp_path, 
     low, high = axes.get_ylim()
     assert sum(bool(tick.get_text()) and low <= tick.get_position()[1] <= high for tick in axes.get_yticklabels(which="both")) > 1
     plotting.plt.close(drawn[0])
+
+
+@pytest.mark.parametrize("name", ["drag_most", "lift_range", "strouhal"])
+def test_a_number_of_a_benchmark_that_is_none_gives_no_error(name):
+    """Where vortices had no period the error was that of the drag alone."""
+    found = {"drag_most": 3.3, "lift_range": 2.1, "strouhal": 0.3}
+    assert flow.error("2d2", found) == pytest.approx(2.1 / 2.007871 - 1)
+    for broken in ({**found, name: math.nan}, {key: value for key, value in found.items() if key != name}):
+        with pytest.raises(BadInput, match=f"2d2: no value of {name}"):
+            flow.error("2d2", broken)

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from tests.synthetic import ROOT, write_csv
-from tools import validate, validate_steady
+from tools import transport_exact, transport_two_way, validate, validate_steady, validate_transport
 from tools.command import BadInput
 from tools.run_folder import RunFolder
 from tools.tables import read_table
-from tools.validation import Context, Failed, Run, discover, judge, settling_disk, sprung_cylinder, suspension, turbulence
+from tools.validation import Context, Failed, Run, discover, ellipse, judge, settling_disk, sprung_cylinder, suspension, turbulence
 
 
 def read_report(folder):
@@ -219,3 +219,46 @@ def test_the_body_fitted_cylinder_on_springs_goes_on_where_it_was_saved(freefem,
     assert whole["y"][0] == 6.4 and whole["y"][-1] < 6
     for name in "xy":
         np.testing.assert_allclose(rest[name], whole[name][16:], atol=2e-3)
+
+
+@pytest.mark.parametrize("at", [0, 1, 2])
+def test_what_is_no_number_passes_in_no_row(at, tmp_path):
+    """Python's max leaves out a nan that does not come first: momentum that was nan was kept to 1e-12."""
+    def spoiled(steps=3):
+        values = np.linspace(1, 2, steps)
+        values[at] = math.nan
+        return values
+    level = np.ones(3)
+    for parts in ((level, spoiled()), (spoiled(), level)):
+        assert not judge(0, transport_two_way.changed(*parts), at_most=1)[0]
+        table = {"source_x": level, "force_x": -level, "source_y": parts[0], "force_y": -parts[1]}
+        assert not judge(0, transport_two_way.unbalanced(table), at_most=10)[0]
+    names = "momentum_x momentum_y walls_x walls_y weight_x weight_y kinetic_energy work dissipated".split()
+    for name, row in (("momentum_x", 0), ("kinetic_energy", 1)):
+        write_csv(tmp_path / "budget.csv", names, np.column_stack([spoiled() if one == name else level for one in names]))
+        (tmp_path / "run.json").write_text("{}")
+        assert not judge(0, ellipse.missing(Run(RunFolder(tmp_path), 1.0, 0.0))[row], at_most=10)[0]
+
+
+def test_what_history_changes_is_that_of_the_run(monkeypatch, tmp_path):
+    """Two exact solutions were compared with each other: the row passed whatever the run gave."""
+    def without_history(context, script, options, name, mesh=None):
+        t = np.linspace(0, options["-tend"], 6)
+        folder = types.SimpleNamespace(particles={"t": t, "v": -transport_exact.no_history(t, 5e-5, 2500.0)})
+        return types.SimpleNamespace(folder=folder, cpu_s=1.0)
+    monkeypatch.setattr(Context, "run", without_history)
+    last = list(validate_transport.history(Context("transport", tmp_path)))[-1]
+    assert last.quantity.startswith("history: what it changes") and last.measured < 1e-12 and not last.passed
+
+
+def test_a_contact_that_is_missing_is_a_miss(monkeypatch):
+    from tools import validate_contacts
+    project = validate_contacts.project
+
+    def one_lost(*words):
+        answer = project(*words)
+        answer.contacts = answer.contacts[1:]
+        return answer
+    monkeypatch.setattr(validate_contacts, "project", one_lost)
+    (_, target, measured), = validate_contacts.column()
+    assert not measured <= target

@@ -68,8 +68,8 @@ def missing(run):
     """(momentum that is missing over the weight's impulse, energy over the work), at the worst time."""
     b = run.folder.table("budget")
     weight = np.hypot(b["weight_x"][-1], b["weight_y"][-1])
-    momentum = max(np.hypot(b["momentum_x"] - b["walls_x"] - b["weight_x"], b["momentum_y"] - b["walls_y"] - b["weight_y"])) / weight
-    return momentum, max(abs(b["kinetic_energy"] - b["work"] + b["dissipated"])) / b["work"][-1]
+    momentum = np.max(np.hypot(b["momentum_x"] - b["walls_x"] - b["weight_x"], b["momentum_y"] - b["walls_y"] - b["weight_y"])) / weight
+    return momentum, np.max(abs(b["kinetic_energy"] - b["work"] + b["dissipated"])) / b["work"][-1]
 
 
 def budgets(context):
