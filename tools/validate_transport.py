@@ -9,7 +9,6 @@ results/validation_transport). Status 0: all pass; 1: something does not; 3: bad
 """
 import math
 import re
-import sys
 
 import numpy as np
 
@@ -100,6 +99,7 @@ def history_cost(context):
     run = context.run(SCRIPT, {"-drag": "stokes", "-radius": 5e-5, "-number": 20000, "-tend": 0.04, "-dt": 1e-4, "-history": 1, "-every": 0.01}, "history_cost")
     spent = run.folder.table("steps")["time_forces"]
     yield context.row("history: cost of the steps 300 to 400 over that of 100 to 200", "constant cost", 1, float(spent[4] / spent[2]), at_most=1.3, cpu_s=run.cpu_s)
+
 
 def compared(context, name, flow, options, law="stokes", start=(0.5, 0.3, 0.2, -0.1, 3.0), end=1.5, rate=2.0, steps=(0.05, 0.025, 0.0125), **forces):
     """Errors of position for the steps: distance to the accurate path; and the CPU time."""
@@ -265,13 +265,7 @@ VALIDATIONS = [drag, terminal, startup, history, history_cost, lift, magnus, tra
 def main(words=None):
     """As tools.validate, with these comparisons and a folder of their own."""
     from tools import validate
-    words = list(sys.argv[1:] if words is None else words)
-    if "-h" in words or "--help" in words:
-        print(__doc__)
-        return 0
-    if not any(word.startswith("--out") for word in words):
-        words += ["--out", str(ROOT / "results" / "validation_transport")]
-    return validate.main(words, {"transport": VALIDATIONS})
+    return validate.main(words, {"transport": VALIDATIONS}, prog="python -m tools.validate_transport", description=__doc__, folder="validation_transport")
 
 
 if __name__ == "__main__":
