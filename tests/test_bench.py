@@ -10,14 +10,14 @@ import pytest
 from conftest import ROOT
 from tools import bench_contacts, plotting
 from tools.bench import __main__ as bench
-from tools.bench import flow, skip
+from tools.bench import flow, scenes, skip
 from tools.bench.figure import draw
 from tools.bench.page import write_page
 from tools.bench.rounds import Job, Point, collect, ratio_at_equal_error, run_rounds
 from tools.bench.timed import tree, without_calls, without_guarded
 from tools.command import BadInput
 from tools.convergence import fitted_order
-from tools.runner import own_folder
+from tools.runner import Done, own_folder
 
 
 def curve(program, costs, errors, problem="2d1"):
@@ -140,10 +140,25 @@ def test_a_tiny_run(tmp_path, monkeypatch):
     assert list(csv.DictReader(open(tmp_path / "bench.csv")))[:4] == rows and "transport: of an earlier run" in (tmp_path / "bench.md").read_text()
 
 
-@pytest.mark.parametrize("words", [[], ["vortex"], ["vortex", "9"], ["whirl", "0"]])
+@pytest.mark.parametrize("words", [[], ["vortex", "9"], ["vortex", "0", "1", "2"]])
 def test_a_peer_that_is_called_wrongly_says_how(words):
     done = subprocess.run([sys.executable, "-m", "tools.peers.with_scipy", *words], cwd=ROOT, capture_output=True, text=True)
-    assert done.returncode == 3 and done.stderr.startswith("error: usage: python -m tools.peers.with_scipy reference|vortex LEVEL") and done.stderr.count("\n") == 1
+    assert done.returncode == 3 and done.stderr.startswith("error: usage: python -m tools.peers.with_scipy PROBLEM LEVEL, which are reference 0 to 0; vortex 0 to 2") and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("words, found", [("a 0", ("a", 0)), ("a 2 0.9", ("a", 2, 0.9)), ("b 1", ("b", 1)), ("a", None), ("c 0", None), ("a 3", None), ("b 2", None), ("b -1", None), ("a one", None),
+                                          ("b 0 1", None), ("a 0 1 1", None), ("a 0 0", None), ("a 0 -1", None), ("a 0 nan", None), ("a 0 inf", None)])
+def test_the_problems_of_a_peer_have_levels_and_numbers_of_their_own(words, found, monkeypatch, capsys):
+    """One number too many, a third level of two and a size of 0 were tracebacks."""
+    monkeypatch.setattr(sys, "excepthook", sys.excepthook)  # the import replaces it
+    from tools.peers.common import asked
+    monkeypatch.setattr(sys, "argv", ["with_some.py", *words.split()])
+    if found:
+        assert asked({"a": 3, "b": 2}, {"a": ["SIZE"]}) == found
+        return
+    with pytest.raises(SystemExit) as caught:
+        asked({"a": 3, "b": 2}, {"a": ["SIZE"]})
+    assert caught.value.code == 3 and capsys.readouterr().err == "error: usage: python -m tools.peers.with_some PROBLEM LEVEL, which are a 0 to 2 [SIZE]; b 0 to 1\n"
 
 
 def test_a_folder_that_is_not_the_tools_own_is_left_as_it_is(tmp_path):
@@ -188,3 +203,15 @@ def test_a_number_of_a_benchmark_that_is_none_gives_no_error(name):
     for broken in ({**found, name: math.nan}, {key: value for key, value in found.items() if key != name}):
         with pytest.raises(BadInput, match=f"2d2: no value of {name}"):
             flow.error("2d2", broken)
+
+
+def test_a_fall_that_ends_early_is_a_line_of_the_page(monkeypatch, tmp_path):
+    """It ended the benchmark."""
+    def short(script, options, out, limit):
+        out.mkdir(parents=True)
+        (out / "particles.csv").write_text("step,t,id,x,y,theta,u,v,omega,radius\n0,0,0,1,4,0,0,0,0,0.1\n1,0.2,0,1,3,0,0,-5,0,0.1\n")
+        return Done(0, "", 1.0, 1.0, 1.0, "")
+    monkeypatch.setattr(scenes, "run_case", short)
+    monkeypatch.setattr(scenes, "mesh", lambda *words: tmp_path / "some.mesh")
+    sample, = run_rounds([job for job in scenes.particle_jobs(tmp_path, {"published": [(3, 0.005)]}, [], {}, 9)], 1, 9, say=lambda text: None)
+    assert sample.note == "the rows go from t = 0 to 0.2, not over 0.3 to 0.4"

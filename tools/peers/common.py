@@ -20,17 +20,19 @@ sys.excepthook = explained
 HEIGHT, LENGTH, CENTRE, RADIUS, NU = 0.41, 2.2, (0.2, 0.2), 0.05, 1e-3
 
 
-def asked(problems, levels=3):
-    """(problem, level, ...) of the command line; further words are numbers."""
-    words = sys.argv[1:]
+def asked(levels, numbers=None):
+    """(problem, level, ...) of the command line. levels: {problem: how many it has}; numbers: {problem: names of the
+    positive numbers that may follow}. Ends with one line and status 3 where it is none of these."""
+    words, numbers = sys.argv[1:], numbers or {}
     try:
         problem, level, *further = words[0], int(words[1]), *map(float, words[2:])
-        if problem in problems and 0 <= level < levels:
+        if 0 <= level < levels[problem] and len(further) <= len(numbers.get(problem, ())) and all(1e-3 <= value <= 1e3 for value in further):
             return problem, level, *further
-    except (IndexError, ValueError):
+    except (IndexError, KeyError, ValueError):
         pass
     name = os.path.splitext(os.path.basename(sys.argv[0]))[0]
-    print(f"error: usage: python -m tools.peers.{name} {'|'.join(sorted(problems))} LEVEL (0 to {levels - 1}) [SIZE, of the elements of 2d1 or of lbmpy's steps over the level's (default 1) [ORDER of NGSolve's (default 3)]]", file=sys.stderr)
+    forms = "; ".join(" ".join([problem, f"0 to {levels[problem] - 1}", *(f"[{word}]" for word in numbers.get(problem, ()))]) for problem in sorted(levels))
+    print(f"error: usage: python -m tools.peers.{name} PROBLEM LEVEL, which are {forms}", file=sys.stderr)
     sys.exit(3)
 
 
