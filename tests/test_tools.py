@@ -1,7 +1,8 @@
 """What the command line tools have in common: how they refuse, and what their help says."""
 import pytest
 
-from tools import coupling_effect, study, transport_table, validate, validate_steady, validate_transport
+from conftest import ROOT
+from tools import coupling_effect, doctor, study, transport_table, validate, validate_steady, validate_transport
 from tools.bench import __main__ as bench
 from tools.command import BadInput
 from tools.stress import __main__ as stress
@@ -24,3 +25,15 @@ def test_a_tool_names_itself(tool, capsys):
             tool.main(words)
         said, wrong = capsys.readouterr()
         assert caught.value.code == status and (f"(python -m {tool.__name__} --help" in wrong and wrong.count("\n") == 1 if status else said.startswith(f"usage: python -m {tool.__name__} ") and "--out" in said)
+
+
+@pytest.mark.parametrize("lost", ["CHOLMOD", None])
+def test_the_doctor_sees_a_solver_that_freefem_lacks(lost, monkeypatch):
+    """FreeFEM took UMFPACK for it, and the doctor said that all was well."""
+    run_text, told = doctor.run_text, []
+    text = (ROOT / "tools" / "doctor.edp").read_text()
+    monkeypatch.setattr(doctor, "run_text", lambda words: run_text(words.replace('include "tools/doctor.edp"', text.replace(f'solver = "{lost}"', 'solver = "LACKING"'))))
+    monkeypatch.setattr(doctor, "SOLVERS", ["UMFPACK", "CHOLMOD", "CG"])
+    doctor.check_solvers(lambda good, words: told.append((good, words)))
+    assert [words.split(":")[0] for good, words in told if not good] == ([f"solver {lost}"] if lost else []) and len(told) == 3
+    assert not lost or "FreeFEM has none, and takes" in dict((good, words) for good, words in told)[False]
