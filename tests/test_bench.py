@@ -215,3 +215,18 @@ def test_a_fall_that_ends_early_is_a_line_of_the_page(monkeypatch, tmp_path):
     monkeypatch.setattr(scenes, "mesh", lambda *words: tmp_path / "some.mesh")
     sample, = run_rounds([job for job in scenes.particle_jobs(tmp_path, {"published": [(3, 0.005)]}, [], {}, 9)], 1, 9, say=lambda text: None)
     assert sample.note == "the rows go from t = 0 to 0.2, not over 0.3 to 0.4"
+
+
+def test_a_time_of_our_own_that_missed_the_residual_is_none(monkeypatch):
+    """It stood beside times of packages that had to reach it."""
+    project, scene = bench_contacts.project, bench_contacts.packing(30, seed=2)
+    found = bench_contacts.run_own("newton", scene, 1e-8, 60)
+    assert found["cpu_s"] > 0 and found["residual"] < 1e-8
+
+    def loose(*words, **options):
+        answer = project(*words, **options)
+        answer.contacts = answer.contacts[1:]
+        return answer
+    monkeypatch.setattr(bench_contacts, "project", loose)
+    found = bench_contacts.run_own("newton", scene, 1e-8, 60)
+    assert found["note"] == "residual not reached" and "cpu_s" not in found and found["residual"] > 1e-8

@@ -262,3 +262,25 @@ def test_a_contact_that_is_missing_is_a_miss(monkeypatch):
     monkeypatch.setattr(validate_contacts, "project", one_lost)
     (_, target, measured), = validate_contacts.column()
     assert not measured <= target
+
+
+def test_a_part_of_the_contacts_that_breaks_is_a_row_and_the_rest_goes_on(tmp_path, monkeypatch):
+    """A package that is not there was a traceback, and no table of what had been done."""
+    from tools import validate_contacts
+    from tools.validation import contacts
+
+    def quadratic_program():
+        raise ModuleNotFoundError("No module named 'piqp'")
+    (tmp_path / "bench.csv").write_text("disks,kind,solver,tolerance,cpu_s,search_s,memory_mb\n500,random,newton,1e-8,1,0.1,90\n")
+    monkeypatch.setattr(validate_contacts, "quadratic_program", quadratic_program)
+    monkeypatch.setattr(contacts, "SOURCES", [(quadratic_program, "QP package piqp"), (validate_contacts.column, "weight above")])
+    for name in ("instances", "row_of_disks", "momentum", "falling", "settled"):
+        monkeypatch.setattr(validate_contacts, name, lambda: [])
+    assert validate_contacts.main(["--bench", str(tmp_path / "bench.csv"), "--out", str(tmp_path / "out")]) == 1
+    with open(tmp_path / "out" / "validate_contacts.csv", newline="") as stream:
+        verdicts = [row["verdict"] for row in csv.DictReader(stream)]
+    assert verdicts == ["pass", "MISSED (ModuleNotFoundError: No module named 'piqp')", "pass", "pass"]
+    rows = list(contacts.contact_accuracy(Context("contacts", tmp_path)))
+    assert [row.passed for row in rows] == [False, True] and "piqp" in rows[0].reason
+    with pytest.raises(BadInput, match="leave one out"):
+        validate_contacts.main(["--bench", str(tmp_path / "bench.csv"), "--full"])
