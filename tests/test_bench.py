@@ -17,6 +17,7 @@ from tools.bench.rounds import Job, Point, collect, ratio_at_equal_error, run_ro
 from tools.bench.timed import tree, without_calls, without_guarded
 from tools.command import BadInput
 from tools.convergence import fitted_order
+from tools.extrema import peak, vortices
 from tools.runner import Done, own_folder
 
 
@@ -230,3 +231,14 @@ def test_a_time_of_our_own_that_missed_the_residual_is_none(monkeypatch):
     monkeypatch.setattr(bench_contacts, "project", loose)
     found = bench_contacts.run_own("newton", scene, 1e-8, 60)
     assert found["note"] == "residual not reached" and "cpu_s" not in found and found["residual"] > 1e-8
+
+
+def test_the_numbers_of_a_vortex_street_are_those_of_its_waves():
+    """Of 20 samples a period; waves that do not rise twice, or are not there, have no frequency."""
+    t = np.arange(0, 3, 0.05 / 3)
+    found = vortices(t, 3 + 0.1 * np.sin(12 * np.pi * t + 1), 0.02 + np.where(t > 1, 1.0, 9.0) * np.sin(6 * np.pi * t), 1)
+    assert found == pytest.approx({"drag_most": 3.1, "drag_least": 2.9, "lift_range": 2, "strouhal": 0.3}, rel=1e-3)
+    for some, values in ((t < 1.3, np.sin(6 * np.pi * t)), (t > 0, 0 * t)):
+        assert math.isnan(vortices(t[some], t[some], values[some], 1)["strouhal"])
+    assert all(math.isnan(value) for value in vortices(t, t, t, 2.98).values())
+    assert peak(np.array([0.0, 1, 3]), np.array([1.0, 1, 1])) == (1, 1)

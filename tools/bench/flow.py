@@ -11,6 +11,7 @@ import math
 import sys
 
 from tools.command import BadInput
+from tools.extrema import vortices
 from tools.run_folder import RunFolder
 from tools.runner import finished, make_mesh, reported, run_case, run_command
 
@@ -96,7 +97,6 @@ def published(problem, level, out, limit):
 
 def vortices_of(run):
     """The numbers of 2d2 of a run."""
-    from tools.peers.common import vortices
     force = run.table("forces")
     return vortices(force["t"], 20 * force["force_x"], 20 * force["force_y"], 4.5)
 

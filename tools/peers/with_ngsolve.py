@@ -7,7 +7,8 @@ implicit and factored once, convection extrapolated.
 import sys
 import time
 
-from tools.peers.common import CENTRE, HEIGHT, LENGTH, NU, RADIUS, asked, extrema, parabola, report, towards_walls, vortices
+from tools.peers.common import CENTRE, HEIGHT, LENGTH, NU, RADIUS, asked, extrema, parabola, report, towards_walls
+from tools.extrema import vortices
 
 import numpy as np
 from netgen.geom2d import SplineGeometry
