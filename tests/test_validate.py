@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.synthetic import ROOT, write_csv
-from tools import transport_exact, transport_two_way, validate, validate_steady, validate_transport
+from tools import transport_exact, transport_two_way, validate, validate_steady, validate_transport, validation
 from tools.command import BadInput
 from tools.run_folder import RunFolder
 from tools.tables import read_table
@@ -284,3 +284,11 @@ def test_a_part_of_the_contacts_that_breaks_is_a_row_and_the_rest_goes_on(tmp_pa
     assert [row.passed for row in rows] == [False, True] and "piqp" in rows[0].reason
     with pytest.raises(BadInput, match="leave one out"):
         validate_contacts.main(["--bench", str(tmp_path / "bench.csv"), "--full"])
+
+
+def test_meshes_that_differ_in_an_option_have_files_of_their_own(tmp_path, monkeypatch):
+    """run.json of the first of three runs named the mesh of the last."""
+    monkeypatch.setattr(validation, "make_mesh", lambda words, path, limit: path)
+    context = Context("particles", tmp_path)
+    made = [context.mesh("couette_disk", 0.03125, "--length", length) for length in ("1", "4", "8")] + [context.mesh("couette_disk", 0.03125)]
+    assert len(set(made)) == 4 and made[-1] == tmp_path / "meshes" / "couette_disk_0.03125.mesh"
