@@ -85,7 +85,9 @@ def test_what_a_feature_guards_is_cut_out():
     cut, count = without_guarded(text, ["f"])
     assert count == 2
     assert cut == "a(); d(); if (h) e(); if (f || h) i(); for (;;) 1; k();"  # the loop does not take the next statement
-    assert without_guarded("if (!f) a(); if (fg) b();", ["f"]) == ("if (!f) a(); if (fg) b();", 0)
+    for kept in ("if (!f) a(); if (fg) b();", "if (g && !f) a();", "if (f == 0) a();", "if (f == 0 || g) a();", "if (!(f && g)) a();"):
+        assert without_guarded(kept, ["f"]) == (kept, 0)
+    assert without_guarded("if (f == 1 && !g) a();", ["f"]) == ("1;", 1)
     cut, count = without_calls("func int look(int n) { return 1; }\nlook(2);\nx = look(3);\n", ["look"])
     assert count == 1 and "x = look(3);" in cut and "func int look(int n)" in cut and "\nlook(2);" not in cut
 
