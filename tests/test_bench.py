@@ -244,3 +244,14 @@ def test_the_numbers_of_a_vortex_street_are_those_of_its_waves():
         assert math.isnan(vortices(t[some], t[some], values[some], 1)["strouhal"])
     assert all(math.isnan(value) for value in vortices(t, t, t, 2.98).values())
     assert peak(np.array([0.0, 1, 3]), np.array([1.0, 1, 1])) == (1, 1)
+
+
+def test_each_kind_of_packing_has_a_picture(tmp_path, monkeypatch):
+    """Only the first had one."""
+    rows = [{"disks": number, "kind": kind, "solver": "newton", "tolerance": 1e-8, "cpu_s": 1e-5 * number} for kind in ("random", "gravity") for number in (50, 500)]
+    monkeypatch.setattr(bench_contacts, "table", lambda *words, **more: rows)
+    assert bench_contacts.main(["--kinds", "random", "gravity", "--peers", "--out", str(tmp_path / "two")]) == 0
+    assert sorted(path.name for path in (tmp_path / "two").iterdir()) == ["bench_contacts.csv", "bench_contacts_gravity.png", "bench_contacts_random.png"]
+    del rows[2:]
+    assert bench_contacts.main(["--peers", "--out", str(tmp_path / "one")]) == 0
+    assert sorted(path.name for path in (tmp_path / "one").iterdir()) == ["bench_contacts.csv", "bench_contacts.png"]
