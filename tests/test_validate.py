@@ -13,7 +13,7 @@ from tools import transport_exact, transport_two_way, validate, validate_steady,
 from tools.command import BadInput
 from tools.run_folder import RunFolder
 from tools.tables import read_table
-from tools.validation import Context, Failed, Run, discover, ellipse, judge, settling_disk, sprung_cylinder, suspension, turbulence
+from tools.validation import Context, Failed, Run, discover, ellipse, judge, particles, settling_disk, sprung_cylinder, suspension, turbulence
 
 
 def read_report(folder):
@@ -292,3 +292,25 @@ def test_meshes_that_differ_in_an_option_have_files_of_their_own(tmp_path, monke
     context = Context("particles", tmp_path)
     made = [context.mesh("couette_disk", 0.03125, "--length", length) for length in ("1", "4", "8")] + [context.mesh("couette_disk", 0.03125)]
     assert len(set(made)) == 4 and made[-1] == tmp_path / "meshes" / "couette_disk_0.03125.mesh"
+
+
+def test_an_ellipse_that_has_not_turned_has_no_half_turn():
+    """The end of its run was taken for it."""
+    t = np.linspace(0, 9, 91)
+    assert ellipse.half_turn({"t": t, "theta": np.pi / 2 - 0.4 * t}) == pytest.approx(np.pi / 0.4)
+    with pytest.raises(Failed, match="turned by 2.7 rad only"):
+        ellipse.half_turn({"t": t, "theta": np.pi / 2 - 0.3 * t})
+
+
+def test_the_coarse_fall_of_two_disks_is_not_held_to_the_second_scheme(tmp_path, monkeypatch):
+    """It was, where the fine one had failed."""
+    t = np.linspace(0, 0.3, 31)
+    low, high = ({"t": t, "x": 1 + x * t, "y": y - 10 * t} for x, y in ((0, 4.5), (0.1, 5.0)))
+
+    def run(context, script, options, name, mesh=None):
+        if name == "two_12":
+            raise Failed("two_12: not converged (status 4)")
+        return Run(types.SimpleNamespace(tracks={0: low, 1: high}, contacts={"t": np.array([0.16])}), 1.0, 1.0)
+    monkeypatch.setattr(Context, "run", run)
+    rows = list(particles.drafting_kissing_tumbling(Context("particles", tmp_path)))
+    assert "not converged" in rows[0].reason and len(rows) > 4 and not [row for row in rows if "lattice" in row.source]

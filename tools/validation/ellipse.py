@@ -14,8 +14,11 @@ from tools.validation.particles import axes_of, points, reference
 
 
 def half_turn(track):
-    """Time at which the ellipse has turned by pi from its start."""
-    return float(np.interp(np.pi, track["theta"][0] - track["theta"], track["t"]))
+    """Time at which the ellipse has turned by pi from its start. Raises Failed where it has not."""
+    turned = track["theta"][0] - track["theta"]
+    if not turned[-1] >= np.pi:
+        raise Failed(f"it has turned by {turned[-1]:.3g} rad only")
+    return float(np.interp(np.pi, turned, track["t"]))
 
 
 def lateness(track, t, omega):
