@@ -143,7 +143,7 @@ def test_a_tiny_run(tmp_path, monkeypatch):
     assert list(csv.DictReader(open(tmp_path / "bench.csv")))[:4] == rows and "transport: of an earlier run" in (tmp_path / "bench.md").read_text()
 
 
-@pytest.mark.parametrize("words", [[], ["vortex", "9"], ["vortex", "0", "1", "2"]])
+@pytest.mark.parametrize("words", [[], ["vortex", "9"], ["vortex", "0", "1", "2"], ["vortex", "0", "--help"]])
 def test_a_peer_that_is_called_wrongly_says_how(words):
     done = subprocess.run([sys.executable, "-m", "tools.peers.with_scipy", *words], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 3 and done.stderr.startswith("error: usage: python -m tools.peers.with_scipy PROBLEM LEVEL, which are reference 0 to 0; vortex 0 to 2") and done.stderr.count("\n") == 1

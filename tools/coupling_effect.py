@@ -2,8 +2,8 @@
 
     python -m tools.coupling_effect [--seeds 5] [--out DIR] [--jobs 1] [OPTION VALUE ...]
 
-Runs cases/pipe_transport.edp once a seed one-way and once two-way (options behind are handed
-to both; runs that are there and finished with the same options are kept) and writes
+Runs cases/pipe_transport.edp once per seed one-way and once two-way (further options are passed
+to both; finished runs of the same sources, mesh and options are kept) and writes
 coupling_effect.csv and coupling_effect.png into DIR (default results/coupling_effect). Of the flow:
 change of the pressure drop (mean and extremes of the run), of its largest velocity, largest
 change of the velocity anywhere. Of the particles: how many leave, when (those that leave in

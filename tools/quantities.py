@@ -1,9 +1,9 @@
-"""Numbers to judge a run by: each is a function of the run folder's tables.
+"""Numbers to judge a run by: each is a function of the tables in the run folder.
 
-A study names them: --quantity mean_v, or with arguments mean_v:0.2:0.5. One's own stand
-in a Python file given with --quantities FILE, written like these: a public function whose
-first argument is the run (tools.run_folder.RunFolder) and whose others are numbers with
-defaults, or words where they are marked so (name: str). The first line of the docstring is what --help shows. A function that cannot
+A study selects them by name: --quantity mean_v, or with arguments mean_v:0.2:0.5. --quantities FILE
+adds those of a Python file: its public functions, whose first argument is the run
+(tools.run_folder.RunFolder) and whose others are numbers with defaults, or strings where they are
+annotated so (name: str). --help shows the first line of the docstring. A function that cannot
 give its number raises ValueError with the reason.
 """
 import importlib.util

@@ -7,9 +7,9 @@
     python -m tools.study cases/diaphragm_loss.edp --cells 6 8 12 --quantity result:loss_coefficient
 
 Runs the case at every pair of element size and time step, over the cores, or one by one
-with --timing (the CPU time of a run beside another one is not a measurement). What is
-done is not run again unless the sources, the mesh or the options have changed. What
-stands behind -- goes to the case.
+with --timing (the CPU time of a run beside another one is not a measurement). Finished
+runs are not repeated unless the sources, the mesh or the options have changed. Everything
+after -- is passed to the case.
 
 Writes into --out (default results/study/CASE): study.csv (one row per run and quantity;
 a run that failed is a row with its reason), study_QUANTITY.png (error over element size,
@@ -18,9 +18,9 @@ value with its uncertainty (grid convergence index) and the Pareto points. Witho
 --reference errors are taken against the extrapolated value, or where there is none against
 the finest run (which then has no error of its own). Meshes are made with whole numbers of
 cells: where all are uniform, orders and study.csv are of the true size of their cells, along the
-shorter side of the domain. Where sizes do not say how fine the meshes are (a gmsh script of which --size is a bound only: add
---proportional to its --recipe), that is told. Runs whose steps -cfl made smaller than --dt have no part in the order of the time step:
-keep them by -- -cfl 0.
+shorter side of the domain. A note says where the sizes do not tell how fine the meshes are (a gmsh script for which --size is
+only a bound: add --proportional to its --recipe). Runs whose steps -cfl made smaller than --dt do not count in the order of the
+time step; -- -cfl 0 keeps the steps.
 
 Status 0: all runs ended well; 1: some failed; 3: bad input.
 """

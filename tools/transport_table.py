@@ -3,8 +3,8 @@
     python -m tools.transport_table [--seeds 20] [--out DIR] [--jobs 1] [OPTION VALUE ...]
     python -m tools.transport_table --runs RUN RUN ...
 
-Runs cases/pipe_transport.edp once a seed (options behind are handed to it; runs that are
-there, made by the same sources, mesh and options, are kept) and writes table.csv and table.png into
+Runs cases/pipe_transport.edp once per seed (further options are passed to it; finished runs
+of the same sources, mesh and options are kept) and writes table.csv and table.png into
 DIR (default results/transport_table). Per class, in per cent of its particles, mean and
 standard deviation over the seeds:
   carried through   left by the outlet before the end of the run
@@ -13,9 +13,9 @@ standard deviation over the seeds:
   recirculation     was carried upstream (u < 0) behind the diaphragm for at least 0.05 s in all
   bottom            less than 1 cm above the lower wall for more than half of its time in the pipe
 
-What is "behind", "low" and a class is that of the paper's pipe (-radius 0.1, -length 1, diameters of 1 to 3 cm): runs of
-another pipe are refused, other diameters are a row of their own. Runs that did not end are refused, and such as
-differ in more than -seed and what is written where.
+Places and classes are those of the paper's pipe (-radius 0.1, -length 1, diameters of 1 to 3 cm): runs of another pipe
+are refused, other diameters get rows of their own. Runs that have not finished are refused, and runs that differ in
+more than their seeds and where and how often they write.
 """
 import os
 from pathlib import Path

@@ -7,9 +7,9 @@
 
 The published method, the standard scheme and other packages (NGSolve, scikit-fem, lbmpy, SciPy,
 the QP packages piqp, clarabel, scs, osqp) run interleaved, in rounds, on one core and one thread.
-Packages that are missing are installed with pip unless --no-install is given; one that is not to
-be had is a line on the page. Writes bench.md (the page), bench.png and bench.csv (every run).
-No round begins after its share of the time; each job has run once.
+Missing packages are installed with pip unless --no-install is given; one that cannot be installed
+is noted on the page. Writes bench.md (the page), bench.png and bench.csv (every run).
+Each job runs once; no further round starts when the time of its part is over.
 
 Status 0: the standard scheme ran everywhere; 1: somewhere it did not, and the page says why.
 """

@@ -7,8 +7,8 @@
 
 Each cell of a map is a run with a limit on its CPU time, classed by checks on its outputs
 (finite, bounded, at its end, no overlap recomputed from particles.csv, error against a stated
-reference), not by its exit status alone. What is done is not run again unless the sources or
-the options have changed, so that a stress run that was stopped goes on.
+reference), not by its exit status alone. Finished cells are not run again unless the sources
+or the options have changed, so that an interrupted stress run continues.
 
 Writes into --out (default results/stress, with --quick results/stress_quick): MAP.csv and
 MAP.png for each map, stress.png with all, limits.csv and limits.md (each limit with its
