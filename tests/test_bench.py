@@ -138,6 +138,7 @@ def test_a_tiny_run(tmp_path, monkeypatch):
         assert bench.main(["--keep", "--parts", "contacts", "--out", str(tmp_path)]) == 0
         with pytest.raises(BadInput, match="none can be kept"):
             bench.main(["--keep", "--parts", "contacts", "--out", str(tmp_path / "none")])
+        assert not (tmp_path / "none").exists()
     finally:
         bench.os.sched_setaffinity(0, affinity)
     assert list(csv.DictReader(open(tmp_path / "bench.csv")))[:4] == rows and "transport: of an earlier run" in (tmp_path / "bench.md").read_text()

@@ -109,6 +109,7 @@ def main(words=None):
     """0 if everything of the standard scheme ran."""
     given = parser().parse_args(words)
     freefem()
+    samples = earlier(given.out / "bench.csv", given.parts) if given.keep else []
     computer = machine()
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})  # inherited by all runs
@@ -119,7 +120,6 @@ def main(words=None):
 
     def say(text):
         print(f"[{(time.perf_counter() - begin) / 60:5.1f} min] {text}", flush=True)
-    samples = earlier(out / "bench.csv", given.parts) if given.keep else []
     skipped, kept = [], sorted({s.section for s in samples}, key=PARTS.index)
     missing += [f"{', '.join(kept)}: of an earlier run into this folder"] if kept else []
     for part in given.parts:
