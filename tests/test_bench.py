@@ -10,14 +10,15 @@ import pytest
 from conftest import ROOT
 from tools import bench_contacts, plotting
 from tools.bench import __main__ as bench
-from tools.bench import skip
+from tools.bench import flow, scenes, skip
 from tools.bench.figure import draw
 from tools.bench.page import write_page
 from tools.bench.rounds import Job, Point, collect, ratio_at_equal_error, run_rounds
 from tools.bench.timed import tree, without_calls, without_guarded
 from tools.command import BadInput
 from tools.convergence import fitted_order
-from tools.runner import own_folder
+from tools.extrema import peak, vortices
+from tools.runner import Done, own_folder
 
 
 def curve(program, costs, errors, problem="2d1"):
@@ -84,7 +85,9 @@ def test_what_a_feature_guards_is_cut_out():
     cut, count = without_guarded(text, ["f"])
     assert count == 2
     assert cut == "a(); d(); if (h) e(); if (f || h) i(); for (;;) 1; k();"  # the loop does not take the next statement
-    assert without_guarded("if (!f) a(); if (fg) b();", ["f"]) == ("if (!f) a(); if (fg) b();", 0)
+    for kept in ("if (!f) a(); if (fg) b();", "if (g && !f) a();", "if (f == 0) a();", "if (f == 0 || g) a();", "if (!(f && g)) a();"):
+        assert without_guarded(kept, ["f"]) == (kept, 0)
+    assert without_guarded("if (f == 1 && !g) a();", ["f"]) == ("1;", 1)
     cut, count = without_calls("func int look(int n) { return 1; }\nlook(2);\nx = look(3);\n", ["look"])
     assert count == 1 and "x = look(3);" in cut and "func int look(int n)" in cut and "\nlook(2);" not in cut
 
@@ -135,15 +138,31 @@ def test_a_tiny_run(tmp_path, monkeypatch):
         assert bench.main(["--keep", "--parts", "contacts", "--out", str(tmp_path)]) == 0
         with pytest.raises(BadInput, match="none can be kept"):
             bench.main(["--keep", "--parts", "contacts", "--out", str(tmp_path / "none")])
+        assert not (tmp_path / "none").exists()
     finally:
         bench.os.sched_setaffinity(0, affinity)
     assert list(csv.DictReader(open(tmp_path / "bench.csv")))[:4] == rows and "transport: of an earlier run" in (tmp_path / "bench.md").read_text()
 
 
-@pytest.mark.parametrize("words", [[], ["vortex"], ["vortex", "9"], ["whirl", "0"]])
+@pytest.mark.parametrize("words", [[], ["vortex", "9"], ["vortex", "0", "1", "2"], ["vortex", "0", "--help"]])
 def test_a_peer_that_is_called_wrongly_says_how(words):
     done = subprocess.run([sys.executable, "-m", "tools.peers.with_scipy", *words], cwd=ROOT, capture_output=True, text=True)
-    assert done.returncode == 3 and done.stderr.startswith("error: usage: python -m tools.peers.with_scipy reference|vortex LEVEL") and done.stderr.count("\n") == 1
+    assert done.returncode == 3 and done.stderr.startswith("error: usage: python -m tools.peers.with_scipy PROBLEM LEVEL, which are reference 0 to 0; vortex 0 to 2") and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("words, found", [("a 0", ("a", 0)), ("a 2 0.9", ("a", 2, 0.9)), ("b 1", ("b", 1)), ("a", None), ("c 0", None), ("a 3", None), ("b 2", None), ("b -1", None), ("a one", None),
+                                          ("b 0 1", None), ("a 0 1 1", None), ("a 0 0", None), ("a 0 -1", None), ("a 0 nan", None), ("a 0 inf", None)])
+def test_the_problems_of_a_peer_have_levels_and_numbers_of_their_own(words, found, monkeypatch, capsys):
+    """One number too many, a third level of two and a size of 0 were tracebacks."""
+    monkeypatch.setattr(sys, "excepthook", sys.excepthook)  # the import replaces it
+    from tools.peers.common import asked
+    monkeypatch.setattr(sys, "argv", ["with_some.py", *words.split()])
+    if found:
+        assert asked({"a": 3, "b": 2}, {"a": ["SIZE"]}) == found
+        return
+    with pytest.raises(SystemExit) as caught:
+        asked({"a": 3, "b": 2}, {"a": ["SIZE"]})
+    assert caught.value.code == 3 and capsys.readouterr().err == "error: usage: python -m tools.peers.with_some PROBLEM LEVEL, which are a 0 to 2 [SIZE]; b 0 to 1\n"
 
 
 def test_a_folder_that_is_not_the_tools_own_is_left_as_it_is(tmp_path):
@@ -178,3 +197,62 @@ def test_times_of_contacts_within_a_decade_have_numbers_at_their_axis(tmp_path, 
     low, high = axes.get_ylim()
     assert sum(bool(tick.get_text()) and low <= tick.get_position()[1] <= high for tick in axes.get_yticklabels(which="both")) > 1
     plotting.plt.close(drawn[0])
+
+
+@pytest.mark.parametrize("name", ["drag_most", "lift_range", "strouhal"])
+def test_a_number_of_a_benchmark_that_is_none_gives_no_error(name):
+    """Where vortices had no period the error was that of the drag alone."""
+    found = {"drag_most": 3.3, "lift_range": 2.1, "strouhal": 0.3}
+    assert flow.error("2d2", found) == pytest.approx(2.1 / 2.007871 - 1)
+    for broken in ({**found, name: math.nan}, {key: value for key, value in found.items() if key != name}):
+        with pytest.raises(BadInput, match=f"2d2: no value of {name}"):
+            flow.error("2d2", broken)
+
+
+def test_a_fall_that_ends_early_is_a_line_of_the_page(monkeypatch, tmp_path):
+    """It ended the benchmark."""
+    def short(script, options, out, limit):
+        out.mkdir(parents=True)
+        (out / "particles.csv").write_text("step,t,id,x,y,theta,u,v,omega,radius\n0,0,0,1,4,0,0,0,0,0.1\n1,0.2,0,1,3,0,0,-5,0,0.1\n")
+        return Done(0, "", 1.0, 1.0, 1.0, "")
+    monkeypatch.setattr(scenes, "run_case", short)
+    monkeypatch.setattr(scenes, "mesh", lambda *words: tmp_path / "some.mesh")
+    sample, = run_rounds([job for job in scenes.particle_jobs(tmp_path, {"published": [(3, 0.005)]}, [], {}, 9)], 1, 9, say=lambda text: None)
+    assert sample.note == "the rows go from t = 0 to 0.2, not over 0.3 to 0.4"
+
+
+def test_a_time_of_our_own_that_missed_the_residual_is_none(monkeypatch):
+    """It stood beside times of packages that had to reach it."""
+    project, scene = bench_contacts.project, bench_contacts.packing(30, seed=2)
+    found = bench_contacts.run_own("newton", scene, 1e-8, 60)
+    assert found["cpu_s"] > 0 and found["residual"] < 1e-8
+
+    def loose(*words, **options):
+        answer = project(*words, **options)
+        answer.contacts = answer.contacts[1:]
+        return answer
+    monkeypatch.setattr(bench_contacts, "project", loose)
+    found = bench_contacts.run_own("newton", scene, 1e-8, 60)
+    assert found["note"] == "residual not reached" and "cpu_s" not in found and found["residual"] > 1e-8
+
+
+def test_the_numbers_of_a_vortex_street_are_those_of_its_waves():
+    """Of 20 samples a period; waves that do not rise twice, or are not there, have no frequency."""
+    t = np.arange(0, 3, 0.05 / 3)
+    found = vortices(t, 3 + 0.1 * np.sin(12 * np.pi * t + 1), 0.02 + np.where(t > 1, 1.0, 9.0) * np.sin(6 * np.pi * t), 1)
+    assert found == pytest.approx({"drag_most": 3.1, "drag_least": 2.9, "lift_range": 2, "strouhal": 0.3}, rel=1e-3)
+    for some, values in ((t < 1.3, np.sin(6 * np.pi * t)), (t > 0, 0 * t)):
+        assert math.isnan(vortices(t[some], t[some], values[some], 1)["strouhal"])
+    assert all(math.isnan(value) for value in vortices(t, t, t, 2.98).values())
+    assert peak(np.array([0.0, 1, 3]), np.array([1.0, 1, 1])) == (1, 1)
+
+
+def test_each_kind_of_packing_has_a_picture(tmp_path, monkeypatch):
+    """Only the first had one."""
+    rows = [{"disks": number, "kind": kind, "solver": "newton", "tolerance": 1e-8, "cpu_s": 1e-5 * number} for kind in ("random", "gravity") for number in (50, 500)]
+    monkeypatch.setattr(bench_contacts, "table", lambda *words, **more: rows)
+    assert bench_contacts.main(["--kinds", "random", "gravity", "--peers", "--out", str(tmp_path / "two")]) == 0
+    assert sorted(path.name for path in (tmp_path / "two").iterdir()) == ["bench_contacts.csv", "bench_contacts_gravity.png", "bench_contacts_random.png"]
+    del rows[2:]
+    assert bench_contacts.main(["--peers", "--out", str(tmp_path / "one")]) == 0
+    assert sorted(path.name for path in (tmp_path / "one").iterdir()) == ["bench_contacts.csv", "bench_contacts.png"]

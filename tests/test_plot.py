@@ -611,3 +611,13 @@ def test_a_run_of_contacts_without_a_row_of_its_motion_is_refused(tmp_path):
     write_csv(tmp_path / "motion.csv", "step t kinetic_energy potential_energy worst_gap".split(), [])
     with pytest.raises(BadInput, match="motion.csv has no rows"):
         plot_contacts.main([str(tmp_path)])
+
+
+def test_a_film_of_contacts_has_as_many_frames_as_asked_for(tmp_path):
+    """By the option that films of flows have too."""
+    from PIL import Image
+    write_csv(tmp_path / "particles.csv", "step,t,id,x,y,theta,u,v,omega,radius".split(","), [[k, k, i, i, 1 - 0.1 * k, 0, 0, -0.1, 0, 0.2] for k in range(6) for i in range(2)])
+    write_csv(tmp_path / "motion.csv", "step,t,kinetic_energy,potential_energy,worst_gap".split(","), [[k, k, 1, 1, 0.1] for k in range(6)])
+    assert plot_contacts.main([str(tmp_path), "--only", "film", "--gif", "--frames", "3"]) == 0
+    with Image.open(tmp_path / "film.gif") as film:
+        assert film.n_frames == 3

@@ -21,6 +21,7 @@ from tools.meshing.plane_mesh import signed_areas, smallest_angles
 from tools.run_folder import RunFolder
 from tools.runner import Done
 from tools.stress import __main__ as stress
+from tools.stress import runs as stress_runs
 from tools.stress.awkward import KINDS, spoiled
 from tools.stress.cells import Axis, Cell, Disks, Map
 from tools.stress.classes import GOOD, Checks, judge
@@ -359,3 +360,11 @@ def test_cells_side_by_side_share_a_file_of_particles(tmp_path):
         paths = list(pool.map(lambda disks: disks.make(tmp_path), wanted))
     assert len(set(paths)) == 50 and all(len(path.read_text().splitlines()) == 2 for path in paths)
     assert len(list(tmp_path.iterdir())) == 50
+
+
+@pytest.mark.parametrize("status, again", [(24, 1), (-24, 1), (124, 1), (4, 0), (0, 0)])
+def test_a_cell_that_was_late_in_any_way_is_run_again_with_more_time(status, again, tmp_path, monkeypatch):
+    """One that its wall-clock time ended was late for ever."""
+    one = toy("cases/poiseuille.edp", [1.0])
+    monkeypatch.setattr(stress_runs, "run_command", lambda command, limit: Done(status, "", 1.0, 1.0, 1.0, ""))
+    assert [stress_runs.run_cell(one, 1.0, 0, tmp_path, limit)["fresh"] for limit in (1, 1, 2)] == [True, False, bool(again)]

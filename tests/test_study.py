@@ -551,3 +551,14 @@ def test_a_run_that_is_ended_while_it_starts_does_not_go_on(monkeypatch):
 def test_a_folder_that_freefem_takes_no_runs_in_is_refused_before_meshes_are_made(case, tmp_path):
     with pytest.raises(BadInput, match="holds signs other than"):
         study.main([str(case), "--meshsize", "0.1", "--quantity", "final_y", "--out", str(tmp_path / "a b")], lambda *_: pytest.fail("made a mesh"))
+
+
+@pytest.mark.parametrize("text, says", [("final_y:0.5", "there is no particle 0.5"), ("final_y:2", "there is no particle 2"), ("final_y:nan", "there is no particle nan"),
+                                        ("mean_v:0:inf", "the window from 0 to inf has no end"), ("mean_v:-inf:1", "the window from -inf to 1 has no end"), ("mean_v:1:0.5", "the window from 1 to 0.5 is empty")])
+def test_a_particle_or_a_window_that_there_is_not_is_told(text, says):
+    """A half of a particle was the one before, an endless window a nan without a reason."""
+    t = np.linspace(0, 2, 21)
+    run = SimpleNamespace(case="drum", tracks={one: {"t": t, "v": t, "y": one + t} for one in (0, 1)})
+    value, why = quantities.evaluate(quantities.parse(text, quantities.load()), run)
+    assert math.isnan(value) and why == says
+    assert quantities.evaluate(quantities.parse("final_y:1", quantities.load()), run) == (3, "")

@@ -840,3 +840,19 @@ def test_a_sphere_slides_on_a_wall_that_is_a_whole_period_long(along, freefem_te
     np.testing.assert_allclose(table[across], 0.1, atol=1e-12)
     assert len(touch["t"]) == 50 and len(rows(tmp_path / "run/walls.csv")) == 1
     np.testing.assert_allclose(touch["impulse"], 1500 * 4 / 3 * np.pi * 1e-3 * 3 * 0.02, rtol=1e-9)
+
+
+def test_a_seed_counts_once_in_the_table(tmp_path):
+    """Whatever the folders; another seed of the turbulence is another run."""
+    one, again, other = (carried(tmp_path / name, [0.012], **{"seed": 4, "turbulence-seed": turbulence}) for name, turbulence in (("a", 1), ("b", 1), ("c", 2)))
+    assert len(table_of([one, other])) == 5
+    with pytest.raises(BadInput, match="both of -seed 4"):
+        table_of([other, one, again])
+
+
+def test_a_table_that_is_refused_leaves_nothing(tmp_path):
+    run = carried(tmp_path / "run", [0.012])
+    for words, says in ((["--runs", str(tmp_path / "none")], "no run folder"), (["--runs", str(run.folder), "-reynolds", "50"], "-reynolds is for runs that are made")):
+        with pytest.raises(BadInput, match=says):
+            transport_table([*words, "--out", str(tmp_path / "table")])
+        assert not (tmp_path / "table").exists()

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from tests.synthetic import ROOT, write_csv
-from tools import validate, validate_steady
+from tools import transport_exact, transport_two_way, validate, validate_steady, validate_transport, validation
 from tools.command import BadInput
 from tools.run_folder import RunFolder
 from tools.tables import read_table
-from tools.validation import Context, Failed, Run, discover, judge, settling_disk, sprung_cylinder, suspension, turbulence
+from tools.validation import Context, Failed, Run, discover, ellipse, judge, particles, settling_disk, sprung_cylinder, suspension, turbulence
 
 
 def read_report(folder):
@@ -219,3 +219,98 @@ def test_the_body_fitted_cylinder_on_springs_goes_on_where_it_was_saved(freefem,
     assert whole["y"][0] == 6.4 and whole["y"][-1] < 6
     for name in "xy":
         np.testing.assert_allclose(rest[name], whole[name][16:], atol=2e-3)
+
+
+@pytest.mark.parametrize("at", [0, 1, 2])
+def test_what_is_no_number_passes_in_no_row(at, tmp_path):
+    """Python's max leaves out a nan that does not come first: momentum that was nan was kept to 1e-12."""
+    def spoiled(steps=3):
+        values = np.linspace(1, 2, steps)
+        values[at] = math.nan
+        return values
+    level = np.ones(3)
+    for parts in ((level, spoiled()), (spoiled(), level)):
+        assert not judge(0, transport_two_way.changed(*parts), at_most=1)[0]
+        table = {"source_x": level, "force_x": -level, "source_y": parts[0], "force_y": -parts[1]}
+        assert not judge(0, transport_two_way.unbalanced(table), at_most=10)[0]
+    names = "momentum_x momentum_y walls_x walls_y weight_x weight_y kinetic_energy work dissipated".split()
+    for name, row in (("momentum_x", 0), ("kinetic_energy", 1)):
+        write_csv(tmp_path / "budget.csv", names, np.column_stack([spoiled() if one == name else level for one in names]))
+        (tmp_path / "run.json").write_text("{}")
+        assert not judge(0, ellipse.missing(Run(RunFolder(tmp_path), 1.0, 0.0))[row], at_most=10)[0]
+
+
+def test_what_history_changes_is_that_of_the_run(monkeypatch, tmp_path):
+    """Two exact solutions were compared with each other: the row passed whatever the run gave."""
+    def without_history(context, script, options, name, mesh=None):
+        t = np.linspace(0, options["-tend"], 6)
+        folder = types.SimpleNamespace(particles={"t": t, "v": -transport_exact.no_history(t, 5e-5, 2500.0)})
+        return types.SimpleNamespace(folder=folder, cpu_s=1.0)
+    monkeypatch.setattr(Context, "run", without_history)
+    last = list(validate_transport.history(Context("transport", tmp_path)))[-1]
+    assert last.quantity.startswith("history: what it changes") and last.measured < 1e-12 and not last.passed
+
+
+def test_a_contact_that_is_missing_is_a_miss(monkeypatch):
+    from tools import validate_contacts
+    project = validate_contacts.project
+
+    def one_lost(*words):
+        answer = project(*words)
+        answer.contacts = answer.contacts[1:]
+        return answer
+    monkeypatch.setattr(validate_contacts, "project", one_lost)
+    (_, target, measured), = validate_contacts.column()
+    assert not measured <= target
+
+
+def test_a_part_of_the_contacts_that_breaks_is_a_row_and_the_rest_goes_on(tmp_path, monkeypatch):
+    """A package that is not there was a traceback, and no table of what had been done."""
+    from tools import validate_contacts
+    from tools.validation import contacts
+
+    def quadratic_program():
+        raise ModuleNotFoundError("No module named 'piqp'")
+    (tmp_path / "bench.csv").write_text("disks,kind,solver,tolerance,cpu_s,search_s,memory_mb\n500,random,newton,1e-8,1,0.1,90\n")
+    monkeypatch.setattr(validate_contacts, "quadratic_program", quadratic_program)
+    monkeypatch.setattr(contacts, "SOURCES", [(quadratic_program, "QP package piqp"), (validate_contacts.column, "weight above")])
+    for name in ("instances", "row_of_disks", "momentum", "falling", "settled"):
+        monkeypatch.setattr(validate_contacts, name, lambda: [])
+    assert validate_contacts.main(["--bench", str(tmp_path / "bench.csv"), "--out", str(tmp_path / "out")]) == 1
+    with open(tmp_path / "out" / "validate_contacts.csv", newline="") as stream:
+        verdicts = [row["verdict"] for row in csv.DictReader(stream)]
+    assert verdicts == ["pass", "MISSED (ModuleNotFoundError: No module named 'piqp')", "pass", "pass"]
+    rows = list(contacts.contact_accuracy(Context("contacts", tmp_path)))
+    assert [row.passed for row in rows] == [False, True] and "piqp" in rows[0].reason
+    with pytest.raises(BadInput, match="leave one out"):
+        validate_contacts.main(["--bench", str(tmp_path / "bench.csv"), "--full"])
+
+
+def test_meshes_that_differ_in_an_option_have_files_of_their_own(tmp_path, monkeypatch):
+    """run.json of the first of three runs named the mesh of the last."""
+    monkeypatch.setattr(validation, "make_mesh", lambda words, path, limit: path)
+    context = Context("particles", tmp_path)
+    made = [context.mesh("couette_disk", 0.03125, "--length", length) for length in ("1", "4", "8")] + [context.mesh("couette_disk", 0.03125)]
+    assert len(set(made)) == 4 and made[-1] == tmp_path / "meshes" / "couette_disk_0.03125.mesh"
+
+
+def test_an_ellipse_that_has_not_turned_has_no_half_turn():
+    """The end of its run was taken for it."""
+    t = np.linspace(0, 9, 91)
+    assert ellipse.half_turn({"t": t, "theta": np.pi / 2 - 0.4 * t}) == pytest.approx(np.pi / 0.4)
+    with pytest.raises(Failed, match="turned by 2.7 rad only"):
+        ellipse.half_turn({"t": t, "theta": np.pi / 2 - 0.3 * t})
+
+
+def test_the_coarse_fall_of_two_disks_is_not_held_to_the_second_scheme(tmp_path, monkeypatch):
+    """It was, where the fine one had failed."""
+    t = np.linspace(0, 0.3, 31)
+    low, high = ({"t": t, "x": 1 + x * t, "y": y - 10 * t} for x, y in ((0, 4.5), (0.1, 5.0)))
+
+    def run(context, script, options, name, mesh=None):
+        if name == "two_12":
+            raise Failed("two_12: not converged (status 4)")
+        return Run(types.SimpleNamespace(tracks={0: low, 1: high}, contacts={"t": np.array([0.16])}), 1.0, 1.0)
+    monkeypatch.setattr(Context, "run", run)
+    rows = list(particles.drafting_kissing_tumbling(Context("particles", tmp_path)))
+    assert "not converged" in rows[0].reason and len(rows) > 4 and not [row for row in rows if "lattice" in row.source]

@@ -80,6 +80,14 @@ def whole(least):
     return read
 
 
+def out_folder(text):
+    """An argument type of --out: the whole path of a folder that FreeFEM writes runs into. Raises BadInput."""
+    path = Path(text).resolve()
+    if not re.fullmatch(r"[A-Za-z0-9._/+=,@%-]+", str(path)):
+        raise BadInput(f"--out '{path}' holds signs other than letters, figures and . _ - / + = , @ %, which FreeFEM takes in no folder of a run")
+    return path
+
+
 def case_options(words, taken):
     """["-mu", "0.1"] as a dict of a case's options; `taken`: those that the tool sets itself. Raises BadInput."""
     if len(words) % 2 or any(not re.match("-[A-Za-z]", name) for name in words[::2]):

@@ -2,8 +2,8 @@
 
     python -m tools.coupling_effect [--seeds 5] [--out DIR] [--jobs 1] [OPTION VALUE ...]
 
-Runs cases/pipe_transport.edp once a seed one-way and once two-way (options behind are handed
-to both; runs that are there and finished with the same options are kept) and writes
+Runs cases/pipe_transport.edp once per seed one-way and once two-way (further options are passed
+to both; finished runs of the same sources, mesh and options are kept) and writes
 coupling_effect.csv and coupling_effect.png into DIR (default results/coupling_effect). Of the flow:
 change of the pressure drop (mean and extremes of the run), of its largest velocity, largest
 change of the velocity anywhere. Of the particles: how many leave, when (those that leave in
@@ -12,11 +12,10 @@ tools/transport_table.py. Single paths are sensitive to everything, so the share
 the standard deviation over the seeds.
 """
 import os
-from pathlib import Path
 
 import numpy as np
 
-from tools.command import ROOT, BadInput, Parser, case_options, guarded, whole
+from tools.command import ROOT, BadInput, Parser, case_options, guarded, out_folder, whole
 from tools.plotting import CURVES, PAGE_WIDTH, plt, save
 from tools.run_folder import RunFolder
 from tools.tables import write_table
@@ -91,20 +90,20 @@ def parser():
     options = Parser(prog="python -m tools.coupling_effect", description=__doc__)
     options.add_argument("--seeds", type=whole(1), default=5, metavar="N", help="number of seeds (default 5)")
     options.add_argument("--jobs", type=whole(1), default=1, metavar="N", help="runs at a time (default 1)")
-    options.add_argument("--out", default=str(ROOT / "results" / "coupling_effect"), metavar="DIR", help="where runs and results go")
+    options.add_argument("--out", type=out_folder, default=str(ROOT / "results" / "coupling_effect"), metavar="DIR", help="where runs and results go")
     return options
 
 
 def main(words=None):
     """Write table and picture; 0."""
     given, rest = parser().parse_known_args(words)
-    out, more = Path(given.out).resolve(), case_options(rest, ["-coupling", "-seed", "-out"])
-    os.makedirs(out, exist_ok=True)
+    out, more = given.out, case_options(rest, ["-coupling", "-seed", "-out"])
     runs = [[RunFolder(folder) for folder in compute(given.seeds, out / way.replace("-", "_"), {**more, "-coupling": way}, given.jobs)] for way in ("one-way", "two-way")]
     if not all(len(run.particles["t"]) for way in runs for run in way):
         raise BadInput("there is a run without particles: nothing to compare")
     pairs = list(zip(*runs))
     rows = [compare(seed, *pair) for seed, pair in enumerate(pairs, 1)]
+    os.makedirs(out, exist_ok=True)
     write_table(out / "coupling_effect.csv", COLUMNS, rows)
     values = np.array(rows, dtype=float)
     for k, name in enumerate(COLUMNS[1:], 1):

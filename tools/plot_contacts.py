@@ -266,7 +266,7 @@ def main(words=None):
     options.add_argument("--out", metavar="DIR", help="where the pictures go (default: the run folder)")
     options.add_argument("--only", nargs="+", choices=MADE, default=MADE, metavar="WHAT", help="some of: " + ", ".join(MADE))
     options.add_argument("--times", nargs="+", type=number, metavar="T", help="times of the frames")
-    options.add_argument("--most", type=whole(2), default=300, metavar="N", help="most frames of the film (default 300)")
+    options.add_argument("--frames", type=whole(2), default=300, metavar="N", help="most frames of the film (default 300)")
     options.add_argument("--gif", action="store_true", help="the film as a gif even where an mp4 can be made")
     given = options.parse_args(words)
     run = ContactRun(given.run)
@@ -289,7 +289,7 @@ def main(words=None):
     if "film" in given.only and given.only is MADE and len(run.times) < 2:
         print("film: left out, only one time to show")
     elif "film" in given.only:
-        print(make_film(run, out, given.most, given.gif))
+        print(make_film(run, out, given.frames, given.gif))
     return 0
 
 

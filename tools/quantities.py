@@ -1,9 +1,9 @@
-"""Numbers to judge a run by: each is a function of the run folder's tables.
+"""Numbers to judge a run by: each is a function of the tables in the run folder.
 
-A study names them: --quantity mean_v, or with arguments mean_v:0.2:0.5. One's own stand
-in a Python file given with --quantities FILE, written like these: a public function whose
-first argument is the run (tools.run_folder.RunFolder) and whose others are numbers with
-defaults, or words where they are marked so (name: str). The first line of the docstring is what --help shows. A function that cannot
+A study selects them by name: --quantity mean_v, or with arguments mean_v:0.2:0.5. --quantities FILE
+adds those of a Python file: its public functions, whose first argument is the run
+(tools.run_folder.RunFolder) and whose others are numbers with defaults, or strings where they are
+annotated so (name: str). --help shows the first line of the docstring. A function that cannot
 give its number raises ValueError with the reason.
 """
 import importlib.util
@@ -29,8 +29,8 @@ def _window(run, start, end, times):
         usual = WINDOWS.get(run.case, (times[0] + 0.75 * (times[-1] - times[0]), times[-1]))
         start, end = (u if math.isnan(g) else g for g, u in zip((start, end), usual))
     slack = 1e-6 * max(abs(end), 1e-300)
-    if not start < end:
-        raise ValueError(f"the window from {start:g} to {end:g} is empty")
+    if not (start < end and math.isfinite(end - start)):
+        raise ValueError(f"the window from {start:g} to {end:g} {'is empty' if start >= end else 'has no end'}")
     if times[0] > start + slack or times[-1] < end - slack:
         raise ValueError(f"the rows go from t = {times[0]:.6g} to {times[-1]:.6g}, not over {start:g} to {end:g}")
     return start, end
@@ -53,9 +53,9 @@ def _track(run, particle):
     tracks = run.tracks
     if not tracks:
         raise ValueError("particles.csv has no rows")
-    one = min(tracks) if particle < 0 else int(particle)
+    one = min(tracks) if particle < 0 else particle
     if one not in tracks:
-        raise ValueError(f"there is no particle {one}")
+        raise ValueError(f"there is no particle {one:g}")
     return tracks[one]
 
 
@@ -105,17 +105,17 @@ def peak_speed(run, particle=-1):
 
 
 def final_x(run, particle=-1):
-    """x of a particle at the end."""
+    """x of a particle at the end, or when it left."""
     return float(_track(run, particle)["x"][-1])
 
 
 def final_y(run, particle=-1):
-    """y of a particle at the end."""
+    """y of a particle at the end, or when it left."""
     return float(_track(run, particle)["y"][-1])
 
 
 def final_theta(run, particle=-1):
-    """Angle of a particle at the end, rad."""
+    """Angle of a particle at the end, or when it left, rad."""
     return float(_track(run, particle)["theta"][-1])
 
 
@@ -200,7 +200,7 @@ def flux_error(run):
 
 
 def worst_overlap(run):
-    """Largest overlap of two bodies over the smallest radius (0: none)."""
+    """Largest overlap of a body with another or a wall, over the smallest radius (of an ellipse the semi-major axis; 0: none)."""
     _, gap = _column(run, "worst_gap")
     radius = run.particles["radius"]
     if not len(radius):

@@ -7,9 +7,9 @@
     python -m tools.study cases/diaphragm_loss.edp --cells 6 8 12 --quantity result:loss_coefficient
 
 Runs the case at every pair of element size and time step, over the cores, or one by one
-with --timing (the CPU time of a run beside another one is not a measurement). What is
-done is not run again unless the sources, the mesh or the options have changed. What
-stands behind -- goes to the case.
+with --timing (the CPU time of a run beside another one is not a measurement). Finished
+runs are not repeated unless the sources, the mesh or the options have changed. Everything
+after -- is passed to the case.
 
 Writes into --out (default results/study/CASE): study.csv (one row per run and quantity;
 a run that failed is a row with its reason), study_QUANTITY.png (error over element size,
@@ -18,9 +18,9 @@ value with its uncertainty (grid convergence index) and the Pareto points. Witho
 --reference errors are taken against the extrapolated value, or where there is none against
 the finest run (which then has no error of its own). Meshes are made with whole numbers of
 cells: where all are uniform, orders and study.csv are of the true size of their cells, along the
-shorter side of the domain. Where sizes do not say how fine the meshes are (a gmsh script of which --size is a bound only: add
---proportional to its --recipe), that is told. Runs whose steps -cfl made smaller than --dt have no part in the order of the time step:
-keep them by -- -cfl 0.
+shorter side of the domain. A note says where the sizes do not tell how fine the meshes are (a gmsh script for which --size is
+only a bound: add --proportional to its --recipe). Runs whose steps -cfl made smaller than --dt do not count in the order of the
+time step; -- -cfl 0 keeps the steps.
 
 Status 0: all runs ended well; 1: some failed; 3: bad input.
 """
@@ -42,7 +42,7 @@ from pathlib import Path
 import numpy as np
 
 from tools import quantities, runner
-from tools.command import ROOT, BadInput, Parser, case_options, guarded, number, positive, whole
+from tools.command import ROOT, BadInput, Parser, case_options, guarded, number, out_folder, positive, whole
 from tools.mesh_files import read_mesh
 from tools.run_folder import RunFolder
 from tools.runner import commit, cores, fingerprint, freefem, named_files, run_case, side_by_side
@@ -330,7 +330,7 @@ def parser():
     options.add_argument("--reference", nargs="+", type=number, metavar="VALUE", help="exact values, one per quantity")
     options.add_argument("--quantities", nargs="+", default=[], metavar="FILE", help="Python files with quantities of your own")
     options.add_argument("--order", type=order, default=2.0, help="formal order of the scheme (default 2)")
-    options.add_argument("--out", metavar="DIR", help="where all goes (default results/study/CASE)")
+    options.add_argument("--out", type=out_folder, metavar="DIR", help="where all goes (default results/study/CASE)")
     options.add_argument("--jobs", type=whole(1), default=cores(), metavar="N", help=f"runs at a time (default {cores()}: the cores)")
     options.add_argument("--timing", action="store_true", help="one run at a time, so that CPU times are measurements")
     options.add_argument("--repeat", type=whole(1), default=1, metavar="N", help="runs of each, the median time counts (default 1)")
@@ -347,8 +347,6 @@ def main(words=None, mesh_maker=make_mesh):
     given = parser().parse_args(words[:cut])
     if given.reference and len(given.reference) != len(given.quantity):
         raise BadInput(f"{len(given.reference)} references for {len(given.quantity)} quantities: give one each")
-    if given.out and not re.fullmatch(r"[A-Za-z0-9._/+=,@%-]+", given.out):
-        raise BadInput(f"--out '{given.out}' holds signs other than letters, figures and . _ - / + = , @ %, which FreeFEM takes in no folder of a run")
     for name, values in (("--meshsize", given.meshsize), ("--cells", given.cells), ("--dt", given.dt), ("--quantity", given.quantity)):
         if values and len({name_of(value, None) if name != "--quantity" else value for value in values}) < len(values):
             raise BadInput(f"{name} names one value twice")
@@ -359,7 +357,7 @@ def main(words=None, mesh_maker=make_mesh):
     sizes, by = [1 / n for n in given.cells] if given.cells else given.meshsize, CELLS if given.cells else {"mesh": None}.get(given.by, f"-{given.by}")
     script = os.path.relpath(Path(given.script).resolve(), ROOT) if Path(given.script).is_file() else given.script
     study = Study(script, sizes or [None], given.dt or [None], given.quantity, given.reference,
-                  case_options(words[cut + 1:], ["-dt", "-out", *([by or "-mesh"] if sizes else [])]), given.out and Path(given.out), given.jobs, given.timing, given.repeat,
+                  case_options(words[cut + 1:], ["-dt", "-out", *([by or "-mesh"] if sizes else [])]), given.out, given.jobs, given.timing, given.repeat,
                   given.limit, given.retry, given.recipe, by, given.quantities, given.order)
     records, references = run_study(study, mesh_maker, say=lambda line: print(line, flush=True))
     for line in report(study, records, references):

@@ -3,8 +3,8 @@
     python -m tools.transport_table [--seeds 20] [--out DIR] [--jobs 1] [OPTION VALUE ...]
     python -m tools.transport_table --runs RUN RUN ...
 
-Runs cases/pipe_transport.edp once a seed (options behind are handed to it; runs that are
-there, made by the same sources, mesh and options, are kept) and writes table.csv and table.png into
+Runs cases/pipe_transport.edp once per seed (further options are passed to it; finished runs
+of the same sources, mesh and options are kept) and writes table.csv and table.png into
 DIR (default results/transport_table). Per class, in per cent of its particles, mean and
 standard deviation over the seeds:
   carried through   left by the outlet before the end of the run
@@ -13,16 +13,16 @@ standard deviation over the seeds:
   recirculation     was carried upstream (u < 0) behind the diaphragm for at least 0.05 s in all
   bottom            less than 1 cm above the lower wall for more than half of its time in the pipe
 
-What is "behind", "low" and a class is that of the paper's pipe (-radius 0.1, -length 1, diameters of 1 to 3 cm): runs of
-another pipe are refused, other diameters are a row of their own. Runs that did not end are refused, and such as
-differ in more than -seed and what is written where.
+Places and classes are those of the paper's pipe (-radius 0.1, -length 1, diameters of 1 to 3 cm): runs of another pipe
+are refused, other diameters get rows of their own. Runs that have not finished are refused, and runs that differ in
+more than their seeds and where and how often they write.
 """
 import os
 from pathlib import Path
 
 import numpy as np
 
-from tools.command import ROOT, BadInput, Parser, case_options, guarded, whole
+from tools.command import ROOT, BadInput, Parser, case_options, guarded, out_folder, whole
 from tools.plotting import PAGE_WIDTH, CURVES, plt, save
 from tools.run_folder import RunFolder
 from tools.runner import fingerprint, run_case, side_by_side
@@ -31,7 +31,8 @@ from tools.tables import write_table
 CASE = "cases/pipe_transport.edp"
 FATES = ("carried through", "trapped", "behind", "recirculation", "bottom")
 CLASSES = np.array([0.010, 0.015, 0.020, 0.025, 0.030001])
-FREE = {"-seed", "-turbulence-seed", "-out", "-overwrite", "-every", "-fields", "-flow", "-restart", "-checkpoint", "-maxwall", "-contact-trace"}  # in which runs of a table may differ
+SEEDS = ("-seed", "-turbulence-seed")
+FREE = {*SEEDS, "-out", "-overwrite", "-every", "-fields", "-flow", "-restart", "-checkpoint", "-maxwall", "-contact-trace"}  # in which runs of a table may differ
 PIPE = {"-radius": 0.1, "-length": 1.0}  # m
 
 
@@ -69,12 +70,18 @@ def usable(run):
 
 
 def alike(runs):
-    """BadInput where two runs differ in an option that is not in FREE."""
+    """BadInput where two runs differ in an option that is not in FREE, or are of the same seeds."""
     first, *others = [run.info.get("parameters") or {} for run in runs]
     for run, given in zip(runs[1:], others):
         for name in sorted({*first, *given} - FREE):
             if first.get(name) != given.get(name):
                 raise BadInput(f"the runs {runs[0].folder} and {run.folder} differ in {name} ({first.get(name)} and {given.get(name)}): a table is of seeds of one scene")
+    known = {}
+    for run, given in zip(runs, (first, *others)):
+        seeds = tuple(given.get(name) for name in SEEDS)
+        if "-seed" in given and seeds in known:
+            raise BadInput(f"the runs {known[seeds].folder} and {run.folder} are both of -seed {given['-seed']}: each seed counts once in mean and deviation")
+        known[seeds] = run
 
 
 def table_of(runs):
@@ -159,7 +166,7 @@ def parser():
     options = Parser(prog="python -m tools.transport_table", description=__doc__)
     options.add_argument("--seeds", type=whole(1), default=20, metavar="N", help="number of seeds (default 20)")
     options.add_argument("--jobs", type=whole(1), default=1, metavar="N", help="runs at a time (default 1)")
-    options.add_argument("--out", default=str(ROOT / "results" / "transport_table"), metavar="DIR", help="where the runs and the table go")
+    options.add_argument("--out", type=out_folder, default=str(ROOT / "results" / "transport_table"), metavar="DIR", help="where the runs and the table go")
     options.add_argument("--runs", nargs="+", metavar="RUN", help="run folders to judge instead of running")
     return options
 
@@ -172,10 +179,12 @@ def main(words=None):
     again = [str(run) for k, run in enumerate(given.runs or ()) if places[k] in places[:k]]
     if again:
         raise BadInput(f"{again[0]} is given twice: each run counts once in mean and deviation")
-    out = Path(given.out).resolve()
-    os.makedirs(out, exist_ok=True)
+    if given.runs and options:
+        raise BadInput(f"{next(iter(options))} is for runs that are made: leave it or --runs out")
+    out = given.out
     folders = given.runs or compute(given.seeds, out, options, given.jobs)
     rows = table_of([RunFolder(folder) for folder in folders])
+    os.makedirs(out, exist_ok=True)
     names = ["diameter_from_m", "diameter_to_m", "particles"] + [f"{name.replace(' ', '_')}_{what}" for name in FATES for what in ("percent", "deviation")]
     write_table(out / "table.csv", names, rows)
     print("diameter (cm)   number  " + "  ".join(f"{name:>16}" for name in FATES))

@@ -27,6 +27,16 @@ def total_momentum(run, different):
     return fluid["t"], parts
 
 
+def changed(*parts):
+    """The largest change of one of several quantities since the first row; nan where a row is."""
+    return np.max([np.abs(part - part[0]) for part in parts])
+
+
+def unbalanced(table):
+    """The largest sum of source and force, over the largest force downwards; nan where a row is."""
+    return np.max([np.abs(table[f"source_{a}"] + table[f"force_{a}"]) for a in "xy"]) / np.max(np.abs(table["force_y"]))
+
+
 def momentum(context):
     """Fluid and spheres in a periodic box keep their momentum, contacts and all forces included."""
     run = cloud(context, "momentum", coupling_width=0.05, mu=0.01, drag="constant", lift=1, history=1, magnus=1, tend=0.2, depth=0.1, contacts=1, converge=10,
@@ -34,23 +44,22 @@ def momentum(context):
     _, parts = total_momentum(run, 3)
     touched = len(run.folder.table("contacts")["t"])
     yield context.row("two-way, cloud that collides: rows of contacts", "so that contacts are tested", math.nan, touched, at_least=100, cpu_s=run.cpu_s)
-    worst = max(np.max(np.abs(part - part[0])) for part in parts) / np.hypot(parts[0][0], parts[1][0])
+    worst = changed(*parts) / np.hypot(parts[0][0], parts[1][0])
     yield context.row("two-way, cloud that collides: change of the momentum of fluid and spheres, relative", "conserved", 0, worst, at_most=3e-11)
     gained = run.folder.table("coupling")["momentum_x"][-1] / parts[0][0]
     yield context.row("two-way, cloud that collides: share of the momentum that is the fluid's at the end", "so that there is something to conserve", math.nan, gained, at_least=0.1)
     run = cloud(context, "fast", coupling_width=0.1, mu=0.5, start_u=3, tend=0.16, depth=0.02, dt=0.02)
     _, parts = total_momentum(run, 0)
     yield context.row("two-way, fast cloud: factorisations", "so that the matrix is made anew", math.nan, run.folder.table("coupling")["factorisations"][-1], at_least=2, cpu_s=run.cpu_s)
-    worst = max(np.max(np.abs(part - part[0])) for part in parts) / parts[0][0]
+    worst = changed(*parts) / parts[0][0]
     yield context.row("two-way, fast cloud: change of the momentum of fluid and spheres, relative", "conserved", 0, worst, at_most=3e-11)
     run = cloud(context, "weight", coupling_width=0.05, mu=0.01, drag="constant", lift=1, buoyancy=1, tend=0.2, depth=0.1)
     times, parts = total_momentum(run, 0)
     given = -100 * (DENSITY - RHO) * VOLUME * 9.81 * times
-    worst = max(np.max(np.abs(parts[0] - parts[0][0])), np.max(np.abs(parts[1] - parts[1][0] - given))) / np.max(np.abs(given))
+    worst = changed(parts[0], parts[1] - given) / np.max(np.abs(given))
     yield context.row("two-way, cloud that falls: momentum of fluid and spheres less weight times time, relative", "balance", 0, worst, at_most=3e-11, cpu_s=run.cpu_s)
     table = run.folder.table("coupling")
-    worst = max(np.max(np.abs(table[f"source_{a}"] + table[f"force_{a}"])) for a in "xy") / np.max(np.abs(table["force_y"]))
-    yield context.row("two-way: total of the source against the force on the spheres, relative", "opposite", 0, worst, at_most=1e-11)
+    yield context.row("two-way: total of the source against the force on the spheres, relative", "opposite", 0, unbalanced(table), at_most=1e-11)
 
 
 def approach(context):

@@ -14,7 +14,7 @@ Status 0: all pass; 1: something does not; 3: bad input.
 import inspect
 from pathlib import Path
 
-from tools.command import ROOT, BadInput, Parser, guarded, positive
+from tools.command import ROOT, BadInput, Parser, guarded, out_folder, positive
 from tools.report import heading, write_report
 from tools.runner import freefem
 from tools.validation import Context, discover
@@ -62,20 +62,20 @@ def validate(pairs, out, limit=None, say=print):
     return rows
 
 
-def parser():
-    """The options."""
-    options = Parser(prog="python -m tools.validate", description=__doc__)
+def parser(prog="python -m tools.validate", description=__doc__, folder="validation"):
+    """The options; folder: the usual one, in results."""
+    options = Parser(prog=prog, description=description)
     options.add_argument("names", nargs="*", metavar="CASE", help="comparisons (default: all)")
     options.add_argument("--case", action="append", default=[], metavar="NAME", help="a comparison by name")
     options.add_argument("--list", action="store_true", help="list the comparisons")
-    options.add_argument("--out", default=str(ROOT / "results" / "validation"), metavar="DIR", help="where the report goes")
+    options.add_argument("--out", type=out_folder, default=str(ROOT / "results" / folder), metavar="DIR", help=f"where the report goes (default results/{folder})")
     options.add_argument("--limit", type=positive, default=3600.0, metavar="S", help="most seconds of one run (default 3600)")
     return options
 
 
-def main(words=None, found=None):
-    """0 if all pass, 1 if not."""
-    given = parser().parse_args(words)
+def main(words=None, found=None, **how):
+    """0 if all pass, 1 if not. how: as parser() takes it."""
+    given = parser(**how).parse_args(words)
     found = discover() if found is None else found
     pairs = chosen(found, given.names + given.case)
     if given.list:

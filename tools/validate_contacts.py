@@ -51,7 +51,7 @@ def column():
     answer = project(Scene(np.column_stack([0 * y, y]), r, mass, np.outer(np.ones(12), [0, -0.0981]), [[-1, 0, 1, 0]]), 0.01, 1e-12)
     above = {k: 0.0981 * mass[k:].sum() for k in range(12)}
     found = {int(max(c[1], c[2])): c[6] for c in answer.contacts}
-    yield "resting column: impulse error / weight above", 1e-8, max(abs(found[k] / above[k] - 1) for k in above)
+    yield "resting column: impulse error / weight above", 1e-8, np.max([abs(found.get(k, 0.0) / above[k] - 1) for k in above])
 
 
 def momentum():
@@ -145,6 +145,15 @@ def speed(rows):
     yield f"{int(last['disks'])} disks: memory (MiB)", 2048.0, last["memory_mb"]
 
 
+def tried(parts):
+    """(name, target, measured, "") of each number of the parts; what a part raises is a row without a number, with the reason."""
+    for part in parts:
+        try:
+            yield from ((*row, "") for row in part())
+        except Exception as problem:  # of a run, or a package that is not there
+            yield part.__name__.replace("_", " "), np.nan, np.nan, " ".join(f"{type(problem).__name__}: {problem}".split())
+
+
 def main(words=None):
     """Write and print the table."""
     options = Parser(prog="python -m tools.validate_contacts", description=__doc__)
@@ -152,6 +161,8 @@ def main(words=None):
     options.add_argument("--full", action="store_true", help="run the benchmark up to 100,000 disks")
     options.add_argument("--out", metavar="DIR", default="results/validate_contacts", help="folder of the table")
     given = options.parse_args(words)
+    if given.bench and given.full:
+        raise BadInput("--bench takes an earlier benchmark, --full makes one: leave one out")
     if given.bench:
         bench = benchmark(given.bench)
     folder = Path(given.out)
@@ -160,12 +171,14 @@ def main(words=None):
         bench_contacts.main(["--out", str(folder)] + ([] if given.full else ["--quick"]))
         bench = benchmark(folder / "bench_contacts.csv")
     found = []
+
+    def speed_of_bench():
+        return speed(bench)
     print(f"{'quantity':88s} {'target':>9s} {'measured':>10s}")
-    for part in (instances, row_of_disks, column, momentum, quadratic_program, falling, settled, lambda: speed(bench)):
-        for name, target, measured in part():
-            good = bool(measured <= target)
-            found.append([name, target, f"{measured:.4g}", "pass" if good else "MISSED"])
-            print(f"{name:88s} {'<= ' + format(target, 'g'):>9s} {measured:10.3g} {found[-1][3]}", flush=True)
+    for name, target, measured, reason in tried((instances, row_of_disks, column, momentum, quadratic_program, falling, settled, speed_of_bench)):
+        good = bool(measured <= target)
+        found.append([name, target, f"{measured:.4g}", "pass" if good else "MISSED" + (f" ({reason})" if reason else "")])
+        print(f"{name:88s} {'<= ' + format(target, 'g'):>9s} {measured:10.3g} {found[-1][3]}", flush=True)
     write_table(folder / "validate_contacts.csv", ["quantity", "target_at_most", "measured", "verdict"], found)
     missed = sum(row[3] != "pass" for row in found)
     print(f"{len(found) - missed} of {len(found)} targets met; table in {folder}/validate_contacts.csv")

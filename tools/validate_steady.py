@@ -7,7 +7,7 @@ results/validate_steady). Status 0: all pass; 1: something does not; 3: bad inpu
 """
 from functools import partial, update_wrapper
 
-from tools.command import ROOT, BadInput, Parser, guarded
+from tools.command import ROOT, BadInput, Parser, guarded, out_folder
 from tools.runner import freefem
 from tools.validate import validate
 from tools.validation.turbulence import RUNS, judged
@@ -22,7 +22,7 @@ def main(words=None):
     """0 if all pass, 1 if not."""
     parser = Parser(prog="python -m tools.validate_steady", description=__doc__)
     parser.add_argument("--only", metavar="WORD", default="", help="runs whose name holds this word")
-    parser.add_argument("--out", metavar="FOLDER", default=str(ROOT / "results" / "validate_steady"), help="folder (default results/validate_steady)")
+    parser.add_argument("--out", type=out_folder, metavar="FOLDER", default=str(ROOT / "results" / "validate_steady"), help="folder (default results/validate_steady)")
     given = parser.parse_args(words)
     chosen = [run for run in RUNS if given.only in run[0]]
     if not chosen:

@@ -7,9 +7,9 @@
 
 The published method, the standard scheme and other packages (NGSolve, scikit-fem, lbmpy, SciPy,
 the QP packages piqp, clarabel, scs, osqp) run interleaved, in rounds, on one core and one thread.
-Packages that are missing are installed with pip unless --no-install is given; one that is not to
-be had is a line on the page. Writes bench.md (the page), bench.png and bench.csv (every run).
-No round begins after its share of the time; each job has run once.
+Missing packages are installed with pip unless --no-install is given; one that cannot be installed
+is noted on the page. Writes bench.md (the page), bench.png and bench.csv (every run).
+Each job runs once; no further round starts when the time of its part is over.
 
 Status 0: the standard scheme ran everywhere; 1: somewhere it did not, and the page says why.
 """
@@ -19,7 +19,6 @@ import shutil
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 from tools import bench_contacts
 from tools.bench import flow, skip
@@ -29,7 +28,7 @@ from tools.bench.rounds import collect, earlier, run_rounds
 from tools.bench.scaling import scaling_jobs
 from tools.bench.scenes import OURS, PUBLISHED, contact_jobs, flow_jobs, particle_jobs, suspension_jobs
 from tools.bench.transport import transport_jobs
-from tools.command import ROOT, Parser, guarded, positive, whole
+from tools.command import ROOT, Parser, guarded, out_folder, positive, whole
 from tools.runner import freefem, machine, own_folder
 
 PARTS = ("flow", "particles", "contacts", "transport", "scaling", "skip")
@@ -94,7 +93,7 @@ def parser():
     options.add_argument("--quick", action="store_true", help="coarse runs only, at most 5 minutes")
     options.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS), help="default: all")
     options.add_argument("--keep", action="store_true", help="take the runs of the other parts from the bench.csv of DIR (what is skipped is not in it)")
-    options.add_argument("--out", default=str(ROOT / "results" / "bench"), metavar="DIR", help="where page, figure and table go (default results/bench)")
+    options.add_argument("--out", type=out_folder, default=str(ROOT / "results" / "bench"), metavar="DIR", help="where page, figure and table go (default results/bench)")
     options.add_argument("--repeats", type=whole(1), default=3, metavar="N", help="most runs of each (default 3; a long one runs once)")
     options.add_argument("--limit", type=positive, default=900, metavar="S", help="most seconds of one run (default 900)")
     options.add_argument("--no-install", action="store_true", help="do not install packages that are missing")
@@ -110,17 +109,17 @@ def main(words=None):
     """0 if everything of the standard scheme ran."""
     given = parser().parse_args(words)
     freefem()
+    samples = earlier(given.out / "bench.csv", given.parts) if given.keep else []
     computer = machine()
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})  # inherited by all runs
-    out = Path(given.out).resolve()
+    out = given.out
     own_folder(out, "bench", ("runs", "trees", "meshes"))
     there, missing = peers(not given.no_install)
     begin, before = time.perf_counter(), load()
 
     def say(text):
         print(f"[{(time.perf_counter() - begin) / 60:5.1f} min] {text}", flush=True)
-    samples = earlier(out / "bench.csv", given.parts) if given.keep else []
     skipped, kept = [], sorted({s.section for s in samples}, key=PARTS.index)
     missing += [f"{', '.join(kept)}: of an earlier run into this folder"] if kept else []
     for part in given.parts:

@@ -10,6 +10,8 @@ the Python packages (for FreeFEM: the same). A program that is not there or fail
 import math
 import sys
 
+from tools.command import BadInput
+from tools.extrema import vortices
 from tools.run_folder import RunFolder
 from tools.runner import finished, make_mesh, reported, run_case, run_command
 
@@ -43,7 +45,10 @@ MARCHED = {
 
 
 def error(problem, found):
-    """Largest relative error of the numbers that are judged."""
+    """Largest relative error of the numbers that are judged. Raises BadInput where one is missing or no number."""
+    for name in REFERENCE[problem]:
+        if not math.isfinite(found.get(name, math.nan)):
+            raise BadInput(f"{problem}: no value of {name}")
     return max(abs(found[name] / target - 1) for name, target in REFERENCE[problem].items())
 
 
@@ -92,7 +97,6 @@ def published(problem, level, out, limit):
 
 def vortices_of(run):
     """The numbers of 2d2 of a run."""
-    from tools.peers.common import vortices
     force = run.table("forces")
     return vortices(force["t"], 20 * force["force_x"], 20 * force["force_y"], 4.5)
 

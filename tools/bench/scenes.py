@@ -51,7 +51,9 @@ def settling(scheme, cells, dt, out, limit):
         done = finished(run_case("cases/settling_disk.edp", {
             "-mesh": str(mesh("box_corridor", f"corridor_{across:.4g}", out, "--size", f"{0.25 / across:.12g}", *PATH)), "-scheme": scheme, "-dt": step, "-tend": 0.4,
             "-every": 0.005, "-tolerance": 1e-4}, out=folder, limit=limit))
-        value = quantities.mean_v(RunFolder(folder), 0.3, 0.4)
+        value, why = quantities.evaluate(quantities.parse("mean_v:0.3:0.4", quantities.load()), RunFolder(folder))
+        if why:
+            raise BadInput(why)
         return unknowns(folder), done.cpu_s, done.memory_mb, abs(value / FALL - 1)
     runs = [run(factor) for factor in (NEARBY if scheme == OURS else NEARBY[:1])]
     return dict(zip(("unknowns", "cpu_s", "memory_mb", "error"), over_neighbours(runs)))

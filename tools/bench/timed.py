@@ -56,10 +56,10 @@ def statement_end(text, start):
 
 
 def without_guarded(text, names):
-    """(text without the `if` statements that need one of the names, how many were cut). A condition
-    needs a name that stands in it alone or joined by && or inside it by ||-free comparison."""
+    """(text without the `if` statements that need one of the names, how many were cut). A condition needs
+    a name that stands in it, or in each of its parts between ||; `!name` and `name == 0` need none."""
     count, at = 0, 0
-    word = re.compile(r"\b(" + "|".join(names) + r")\b")
+    word = re.compile(r"(?<!!)\b(" + "|".join(names) + r")\b(?!\s*==\s*0\b)")
     while True:
         match = re.compile(r"\bif\s*\(").search(text, at)
         if not match:

@@ -7,6 +7,8 @@ import time
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NGS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 
+from tools.extrema import top  # noqa: E402  (NumPy reads the environment)
+
 
 def explained(kind, problem, trace):
     """A missing package in one line, other faults as they come."""
@@ -20,17 +22,19 @@ sys.excepthook = explained
 HEIGHT, LENGTH, CENTRE, RADIUS, NU = 0.41, 2.2, (0.2, 0.2), 0.05, 1e-3
 
 
-def asked(problems, levels=3):
-    """(problem, level, ...) of the command line; further words are numbers."""
-    words = sys.argv[1:]
+def asked(levels, numbers=None):
+    """(problem, level, ...) of the command line. levels: {problem: how many it has}; numbers: {problem: names of the
+    positive numbers that may follow}. Ends with one line and status 3 where it is none of these."""
+    words, numbers = sys.argv[1:], numbers or {}
     try:
         problem, level, *further = words[0], int(words[1]), *map(float, words[2:])
-        if problem in problems and 0 <= level < levels:
+        if 0 <= level < levels[problem] and len(further) <= len(numbers.get(problem, ())) and all(1e-3 <= value <= 1e3 for value in further):
             return problem, level, *further
-    except (IndexError, ValueError):
+    except (IndexError, KeyError, ValueError):
         pass
     name = os.path.splitext(os.path.basename(sys.argv[0]))[0]
-    print(f"error: usage: python -m tools.peers.{name} {'|'.join(sorted(problems))} LEVEL (0 to {levels - 1}) [SIZE, of the elements of 2d1 or of lbmpy's steps over the level's (default 1) [ORDER of NGSolve's (default 3)]]", file=sys.stderr)
+    forms = "; ".join(" ".join([problem, f"0 to {levels[problem] - 1}", *(f"[{word}]" for word in numbers.get(problem, ()))]) for problem in sorted(levels))
+    print(f"error: usage: python -m tools.peers.{name} PROBLEM LEVEL, which are {forms}", file=sys.stderr)
     sys.exit(3)
 
 
@@ -52,25 +56,6 @@ def towards_walls(s, ratio=4.0, samples=2000):
     return np.interp(s, np.linspace(0, 1, samples + 1), np.concatenate([[0], np.cumsum(width)]) / width.sum())
 
 
-def top(f):
-    """The largest value, by the parabola through the largest sample and its neighbours."""
-    import numpy as np
-    k = int(np.clip(np.argmax(f), 1, len(f) - 2))
-    a, b, c = f[k - 1:k + 2]
-    return b - (a - c) ** 2 / (8 * (a - 2 * b + c))
-
-
 def extrema(u, v):
     """u_least, v_most, v_least of samples u(y), v(x) on the centrelines of the cavity."""
     return {"u_least": -top(-u), "v_most": top(v), "v_least": -top(-v)}
-
-
-def vortices(t, drag, lift, since):
-    """Numbers of DFG 2D-2 after the time `since`."""
-    import numpy as np
-    late = t > since
-    t, drag, lift = t[late], drag[late], lift[late]
-    middle = 0.5 * (lift.max() + lift.min())
-    k = np.flatnonzero((lift[:-1] < middle) & (lift[1:] >= middle))
-    rises = t[k] + (middle - lift[k]) * (t[k + 1] - t[k]) / (lift[k + 1] - lift[k])
-    return {"drag_most": top(drag), "drag_least": -top(-drag), "lift_range": top(lift) + top(-lift), "strouhal": 0.1 / np.diff(rises).mean()}

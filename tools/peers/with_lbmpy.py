@@ -212,7 +212,7 @@ def found(name, t, x, v, angle):
 
 
 if __name__ == "__main__":
-    problem, level, *factor = asked(SCENES, 4)
+    problem, level, *factor = asked(dict.fromkeys(SCENES, 4), dict.fromkeys(SCENES, ["FACTOR of the speed on the lattice"]))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         t, x, v, angle, cells, begin = fall(SCENES[problem], level, *factor)

@@ -4,9 +4,11 @@ The step is not in the benchmark: a second opinion on cases/backward_step.edp (l
 Steady: order 3/2, Newton's method with UMFPACK. 2D-2: order 3/2, semi-implicit BDF2: Stokes part
 implicit and factored once, convection extrapolated.
 """
+import sys
 import time
 
-from tools.peers.common import CENTRE, HEIGHT, LENGTH, NU, RADIUS, asked, extrema, parabola, report, towards_walls, vortices
+from tools.peers.common import CENTRE, HEIGHT, LENGTH, NU, RADIUS, asked, extrema, parabola, report, towards_walls
+from tools.extrema import vortices
 
 import numpy as np
 from netgen.geom2d import SplineGeometry
@@ -75,6 +77,9 @@ def unit_fields(space, mesh):
 
 def steady(level, size=1.0, order=3):
     bulk, circle = [(0.12, 0.02), (0.08, 0.012), (0.05, 0.006)][level]
+    if order not in range(2, 9):
+        print(f"error: the order is a whole number from 2 to 8, not {order:g}", file=sys.stderr)
+        sys.exit(3)
     order = int(order)
     begin = time.process_time()
     mesh = channel(size * bulk, size * circle, order)
@@ -174,5 +179,5 @@ def step(level):
 
 PROBLEMS = {"2d1": steady, "2d2": unsteady, "cavity": cavity, "step": step}
 if __name__ == "__main__":
-    problem, *further = asked(PROBLEMS)
+    problem, *further = asked({"2d1": 3, "2d2": 3, "cavity": 3, "step": 2}, {"2d1": ["SIZE of the elements over the level's", "ORDER of the velocity, 2 to 8"]})
     PROBLEMS[problem](*further)

@@ -2,8 +2,8 @@
 
 Forces: Brown-Lawler drag, weight less buoyancy, added mass, fluid acceleration, lift (the
 formulas of tools/transport_exact.py). PROBLEM: vortex (Runge-Kutta 5(4)) or reference (order 8,
-tolerance 1e-12, not timed); LEVEL: tolerance 1e-2, 1e-4, 1e-6. With a third word the positions
-and velocities at the end go into that file.
+tolerance 1e-12, not timed, LEVEL 0); LEVEL: tolerance 1e-2, 1e-4, 1e-6. A third word, FILE.npy, names a file for
+the positions and velocities at the end.
 """
 import sys
 import time
@@ -45,8 +45,8 @@ def solve(method, tolerance):
 
 
 if __name__ == "__main__":
-    target = sys.argv.pop() if len(sys.argv) == 4 else None
-    problem, level = asked({"vortex", "reference"})
+    target = sys.argv.pop() if len(sys.argv) == 4 and sys.argv[3].endswith(".npy") else None
+    problem, level = asked({"vortex": len(TOLERANCES), "reference": 1})
     begin = time.process_time()
     found = solve("DOP853", 1e-12) if problem == "reference" else solve("RK45", TOLERANCES[level])
     report(begin, 4 * NUMBER)

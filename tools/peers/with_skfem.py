@@ -121,5 +121,5 @@ def cavity(level):
 
 PROBLEMS = {"2d1": steady, "cavity": cavity}
 if __name__ == "__main__":
-    problem, *further = asked(PROBLEMS)
+    problem, *further = asked(dict.fromkeys(PROBLEMS, 3), {"2d1": ["SIZE of the elements over the level's"]})
     PROBLEMS[problem](*further)

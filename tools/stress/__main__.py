@@ -7,8 +7,8 @@
 
 Each cell of a map is a run with a limit on its CPU time, classed by checks on its outputs
 (finite, bounded, at its end, no overlap recomputed from particles.csv, error against a stated
-reference), not by its exit status alone. What is done is not run again unless the sources or
-the options have changed, so that a stress run that was stopped goes on.
+reference), not by its exit status alone. Finished cells are not run again unless the sources
+or the options have changed, so that an interrupted stress run continues.
 
 Writes into --out (default results/stress, with --quick results/stress_quick): MAP.csv and
 MAP.png for each map, stress.png with all, limits.csv and limits.md (each limit with its
@@ -17,9 +17,8 @@ remedy). Status 0: nothing blew up or overlapped unnoticed and the defaults lie 
 """
 import datetime
 import time
-from pathlib import Path
 
-from tools.command import ROOT, BadInput, Parser, guarded, positive, whole
+from tools.command import ROOT, BadInput, Parser, guarded, out_folder, positive, whole
 from tools.runner import commit, freefem
 from tools.stress import maps_contacts, maps_flow, maps_long, maps_particles
 from tools.stress.figure import draw_all, draw_map
@@ -35,7 +34,7 @@ def parser():
     options.add_argument("names", nargs="*", metavar="MAP", help="maps (default: all)")
     options.add_argument("--quick", action="store_true", help="a few cells of each map (about 5 minutes)")
     options.add_argument("--list", action="store_true", help="list the maps and their axes")
-    options.add_argument("--out", metavar="DIR", help="where all goes")
+    options.add_argument("--out", type=out_folder, metavar="DIR", help="where all goes")
     options.add_argument("--jobs", type=whole(1), default=1, metavar="N", help="runs at a time (default 1)")
     options.add_argument("--limit", type=positive, default=60.0, metavar="S", help="CPU time of a cell, s (default 60; reference runs get four times that)")
     return options
@@ -59,7 +58,7 @@ def main(words=None, say=lambda line: print(line, flush=True)):
             say(f"{one.name:<22}{len(grid):>4} cells, {len(extra)} reference runs: {one.x.label} x {one.y.label}")
         return 0
     freefem()
-    out = Path(given.out or ROOT / "results" / ("stress_quick" if given.quick else "stress")).resolve()
+    out = given.out or out_folder(ROOT / "results" / ("stress_quick" if given.quick else "stress"))
     out.mkdir(parents=True, exist_ok=True)
     progress, done = Progress(sum(sum(map(len, one.pairs(given.quick))) for one in maps), say), []
     for one in maps:

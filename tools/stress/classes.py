@@ -23,7 +23,7 @@ WORDS = {"accurate": "stable and accurate", "stable": "stable", "stopped": "stop
          "late": "out of time", "overlap": "overlap", "blown up": "blown up", "not run": "not run"}
 GOOD, FAILED = ("accurate", "stable"), ("overlap", "blown up", "not run")
 TABLES = ("particles", "fluid", "contacts", "motion", "errors", "forces", "budget", "summary", "lines", "wall", "steps", "entries", "exits")
-CPU_LIMIT, WALL_LIMIT = 24, 124  # statuses: FreeFEM on SIGXCPU, tools.runner at its limit
+LATE = (24, -24, 124)  # statuses: FreeFEM on SIGXCPU, a program that SIGXCPU ended, tools.runner at its limit
 
 
 @dataclass
@@ -44,7 +44,7 @@ class Checks:
 def judge(done, checks, folder, error=None):
     """(class, reason, depth of the deepest overlap in radii) of a run that ended as `done`
     (status, reason, log); error(run) -> (relative error, tolerance) or None where there is no reference."""
-    if done.status in (CPU_LIMIT, WALL_LIMIT, -CPU_LIMIT):
+    if done.status in LATE:
         return "late", "its CPU time ran out", math.nan
     if done.status in (3, 4, 5) and any(line.startswith("error:") for line in done.log.splitlines()):
         return "stopped", done.reason, math.nan

@@ -13,7 +13,7 @@ from tools.command import BadInput
 from tools.run_folder import RunFolder
 from tools.runner import Done, commit, fingerprint, freefem, option_words, run_command, side_by_side
 from tools.stress.cells import Disks, Mesh
-from tools.stress.classes import GOOD, WORDS, judge
+from tools.stress.classes import GOOD, LATE, WORDS, judge
 from tools.tables import write_table, write_text
 
 NICE = 10  # wall-clock seconds a CPU second may take before a cell counts as hanging
@@ -43,7 +43,7 @@ def run_cell(one, x, y, out, limit):
     except (OSError, ValueError):
         old = {}
     # a cell that ran out of time is tried again when it is given more
-    if old.get("key") == key and (old["status"] != 24 or old["limit"] >= limit):
+    if old.get("key") == key and (old["status"] not in LATE or old["limit"] >= limit):
         return {**old, "fresh": False}
     note.unlink(missing_ok=True)
     shutil.rmtree(folder, ignore_errors=True)

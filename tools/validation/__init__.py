@@ -22,6 +22,7 @@ from pathlib import Path
 from tools.command import BadInput
 from tools.run_folder import RunFolder
 from tools.runner import make_mesh, run_case
+from tools.study import mesh_name
 
 
 class Failed(Exception):
@@ -82,7 +83,7 @@ class Context:
     def mesh(self, recipe, size, *more):
         """The file of a mesh made by tools.mesh. Raises Failed."""
         try:
-            return make_mesh([recipe, "--size", f"{size:.12g}", *more], self.out / "meshes" / f"{recipe}_{size:g}.mesh", self.limit)
+            return make_mesh([recipe, "--size", f"{size:.12g}", *more], self.out / "meshes" / mesh_name([recipe, *more], size), self.limit)
         except BadInput as problem:
             raise Failed(problem) from None
 

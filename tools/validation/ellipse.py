@@ -14,8 +14,11 @@ from tools.validation.particles import axes_of, points, reference
 
 
 def half_turn(track):
-    """Time at which the ellipse has turned by pi from its start."""
-    return float(np.interp(np.pi, track["theta"][0] - track["theta"], track["t"]))
+    """Time at which the ellipse has turned by pi from its start. Raises Failed where it has not."""
+    turned = track["theta"][0] - track["theta"]
+    if not turned[-1] >= np.pi:
+        raise Failed(f"it has turned by {turned[-1]:.3g} rad only")
+    return float(np.interp(np.pi, turned, track["t"]))
 
 
 def lateness(track, t, omega):
@@ -68,8 +71,8 @@ def missing(run):
     """(momentum that is missing over the weight's impulse, energy over the work), at the worst time."""
     b = run.folder.table("budget")
     weight = np.hypot(b["weight_x"][-1], b["weight_y"][-1])
-    momentum = max(np.hypot(b["momentum_x"] - b["walls_x"] - b["weight_x"], b["momentum_y"] - b["walls_y"] - b["weight_y"])) / weight
-    return momentum, max(abs(b["kinetic_energy"] - b["work"] + b["dissipated"])) / b["work"][-1]
+    momentum = np.max(np.hypot(b["momentum_x"] - b["walls_x"] - b["weight_x"], b["momentum_y"] - b["walls_y"] - b["weight_y"])) / weight
+    return momentum, np.max(abs(b["kinetic_energy"] - b["work"] + b["dissipated"])) / b["work"][-1]
 
 
 def budgets(context):

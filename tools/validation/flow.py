@@ -7,6 +7,7 @@ Comput. Fluids 37 (2008). Expansion 1:3: Fearn, Mullin & Cliffe, J. Fluid Mech. 
 import numpy as np
 
 from tools.command import ROOT
+from tools.extrema import peak, vortices
 from tools.plotting import PAGE_WIDTH, curve, plt, save
 from tools.tables import read_table
 from tools.validation import Failed
@@ -17,15 +18,6 @@ STEADY = {"drag_coefficient": (5.57953523384, 1e-4), "lift_coefficient": (0.0106
           "pressure_difference": (0.11752016697, 1e-3)}
 VORTICES = {"largest drag coefficient": 3.227393, "least drag coefficient": 3.164263,
             "lift coefficient, peak to peak": 2.007871, "Strouhal number": 0.301841}
-
-
-def peak(t, f):
-    """(time, value) of the largest sample, by the parabola through it and its neighbours."""
-    k = int(np.clip(np.argmax(f), 1, len(f) - 2))
-    a, b, c = f[k - 1:k + 2]
-    bend = a - 2 * b + c
-    shift = 0.5 * (a - c) / bend if bend else 0.0
-    return t[k] + shift * 0.5 * (t[k + 1] - t[k - 1]), b - 0.25 * (a - c) * shift
 
 
 def coefficients(run):
@@ -39,13 +31,9 @@ def fine_mesh(context):
     return context.mesh("cylinder_channel", 0.08, "--circle-points", "64", "--growth", "0.06", "--wake-factor", "1.3", "--wake-growth", "0.02")
 
 
-def vortices(run, since=5.0):
-    """The four numbers of 2D-2 after the time `since` (s), in the order of VORTICES."""
-    t, drag, lift = (values[run.folder.table("forces")["t"] > since] for values in coefficients(run))
-    middle = 0.5 * (lift.max() + lift.min())
-    k = np.flatnonzero((lift[:-1] < middle) & (lift[1:] >= middle))
-    rises = t[k] + (middle - lift[k]) * (t[k + 1] - t[k]) / (lift[k + 1] - lift[k])
-    return [peak(t, drag)[1], -peak(t, -drag)[1], peak(t, lift)[1] + peak(t, -lift)[1], 0.1 / np.diff(rises).mean()]
+def vortices_of(run):
+    """The four numbers of 2D-2 after 5 s, in the order of VORTICES."""
+    return list(vortices(*coefficients(run), 5.0).values())
 
 
 def poiseuille(context):
@@ -130,13 +118,13 @@ def cylinder_vortices(context):
             "default, stabilised": context.run("cases/cylinder_channel.edp", {"-stabilise": 0.1}, "2d2_stabilised"),
             "fine mesh": context.run("cases/cylinder_channel.edp", {"-dt": 0.001, "-tolerance": 1e-5, "-every": 0.1}, "2d2_fine", mesh=fine_mesh(context))}
     figure = draw_vortices(runs, context.figure_path("2d2"))
-    plain = vortices(runs["default mesh"])
+    plain = vortices_of(runs["default mesh"])
     for name, rtol in (("default mesh", 0.005), ("fine mesh", 0.001)):
-        for (what, target), measured in zip(VORTICES.items(), vortices(runs[name])):
+        for (what, target), measured in zip(VORTICES.items(), vortices_of(runs[name])):
             yield context.row(f"2D-2, {name}: {what}", FEAT, target, measured, rtol=rtol, cpu_s=runs[name].cpu_s, figure=figure)
     yield context.row("2D-2, default mesh: CPU time for 6 s (s)", "limit", 5, runs["default mesh"].cpu_s, at_most=5,
                       cpu_s=runs["default mesh"].cpu_s, figure=figure, reason="depends on the machine and its load")
-    for (what, _), without, measured in zip(VORTICES.items(), plain, vortices(runs["default, stabilised"])):
+    for (what, _), without, measured in zip(VORTICES.items(), plain, vortices_of(runs["default, stabilised"])):
         yield context.row(f"2D-2: {what}, stabilised", "without stabilisation", without, measured, rtol=0.02,
                           cpu_s=runs["default, stabilised"].cpu_s, figure=figure)
 
