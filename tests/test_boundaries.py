@@ -80,7 +80,7 @@ def test_a_label_of_sides_that_let_through_and_sides_that_do_not_is_refused(make
     text = make(mesh) + case("bodyDisk(0.4, 0.4, 0.12, 3);", walls="", moving="3", more=f"macro boundaryU() ({u}) // EOM\nmacro boundaryV() ({v}) // EOM")
     done = freefem_text(text, "-mesh", mesh, "-tend", 0.02, "-out", tmp_path / "run", check=False)
     assert done.returncode == (3 if refused else 0), done.stderr
-    assert ("label 3 (flowMoving) is flowed through at some sides" in done.stderr) == refused
+    assert ("label 3 (flowMoving) has flow across some sides" in done.stderr) == refused
 
 
 @pytest.mark.parametrize("place", ["0, 0", "0.05, 0.1"])
@@ -270,19 +270,48 @@ def test_two_inlets_have_courses_of_their_own(driver, freefem_text, tmp_path):
             assert fluxes["flux"][fluxes["label"] == label][-1] == pytest.approx(-factor * 2 / 3, rel=1e-6), label
 
 
-@pytest.mark.parametrize("course, words", [("inflowScale(labelTop, 1.);", "this is none of them"), ("inflowScale(labelLeft, sqrt(now - 1.));", "the factor is no number"),
-                                           ("inflowScale(labelLeft, 1 + now);", "more a second than out, or out than in, and there is no outlet")])
+@pytest.mark.parametrize("course, words", [("inflowScale(labelTop, 1.);", "label 14 (top) is not in flowMoving"), ("inflowScale(labelLeft, sqrt(now - 1.));", "the factor is not finite"),
+                                           ("inflowScale(labelLeft, 1 + now);", "have a net flux of")])
 def test_a_course_of_an_inlet_that_cannot_be_is_refused(course, words, freefem_text, tmp_path):
     text = case("bodyDisk(0.5, 0.5, 0.12, 2);", walls="labelBottom, labelTop", moving="labelLeft, labelRight", more=f"macro boundaryU() (4*y*(1 - y)) // EOM\nmacro caseBoundary(now) {course} // EOM")
     done = freefem_text(text, "-tend", 0.05, "-out", tmp_path / "run", check=False)
     assert done.returncode == 3 and words in done.stderr and len(done.stderr.strip().splitlines()) == 1
 
 
+@pytest.mark.parametrize("period, more, walls, slip, words", [
+    (1, "", "labelLeft, labelRight", "", "flowPeriodY is 1, but the case has no flowPeriodicLabels; a periodic case sets"),
+    (0, "", "labelLeft, labelRight, labelBottom", "", "label 14 (top), for which this case has no condition; list it in flowNoSlip, flowMoving, flowOutlet or flowSlip"),
+    (0, "", "labelLeft, labelRight, labelBottom, labelTop", "labelAxis", "no edge with label 8 (axis), which this case needs as plane of symmetry; its edges have label 11 (left), label 12 (right), label 13 (bottom), label 14 (top)"),
+])
+def test_labels_that_do_not_fit_the_mesh_are_refused_with_what_to_do(period, more, walls, slip, words, freefem_text, tmp_path):
+    done = freefem_text(case("bodyDisk(0.5, 0.5, 0.12, 2);", walls=walls, slip=slip, period=period, more=more), "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and words in done.stderr and len(done.stderr.strip().splitlines()) == 1
+
+
+@pytest.mark.parametrize("given, warnings", [("", 1), ("macro boundaryU() (4*y*(1 - y)) // EOM\n", 0)])
+def test_an_inflow_that_scales_nothing_is_warned_of_once(given, warnings, freefem_text, tmp_path):
+    """A boundaryU that is missing, or a func instead of a macro, leaves 0 to be scaled."""
+    text = case("bodyDisk(0.5, 0.5, 0.12, 2);", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more=given + "macro caseBoundary(now) inflowScale(labelLeft, 1 + now); // EOM")
+    done = freefem_text(text, "-tend", 0.03, "-out", tmp_path / "run")
+    assert done.stdout.count("warning: inflowScale(11, ...) has no effect") == warnings, done.stdout
+
+
+@pytest.mark.parametrize("scheme", ["standard", "published"])
+def test_particles_that_never_had_room_to_enter_are_warned_of(scheme, freefem_text, tmp_path):
+    """Three at one place at once: the first enters and stays there, the others wait; another one is not due."""
+    queue = "".join(f"queueAt(0.5, 0.5, 0.12, 1, {time});" for time in (0, 0.01, 0.02, 9))
+    text = case(queue, gravity=0)
+    done = freefem_text(text, "-tend", 0.05, "-scheme", scheme, "-out", tmp_path / "run")
+    assert "warning: 2 of the waiting particles were due, but had no room to enter at the end; the first: at (0.5, 0.5), due at t = 0.01 s" in done.stdout, done.stdout
+    done = freefem_text(case("queueAt(0.5, 0.5, 0.12, 1, 0.); queueAt(0.5, 0.5, 0.12, 1, 9);", gravity=0), "-tend", 0.05, "-scheme", scheme, "-out", tmp_path / "alone")
+    assert "had no room" not in done.stdout
+
+
 def test_an_obstacle_behind_the_inlet_is_in_the_way(freefem_text, tmp_path):
     mesh = tmp_path / "drain.mesh"
     text = square(mesh, hole=DRAIN) + case("queueAdd(0.5, 0.2, 1, 0.);", walls="labelBottom, labelTop, labelOutlet", moving="labelLeft", outlet="labelRight", more="macro boundaryU() 1. // EOM")
     done = freefem_text(text, "-mesh", mesh, "-out", tmp_path / "run", check=False)
-    assert done.returncode == 5 and "deep in a wall where it enters" in done.stderr
+    assert done.returncode == 5 and "would overlap a wall by" in done.stderr
 
 
 def test_heights_sizes_and_times_of_those_who_wait(freefem_text):
@@ -445,4 +474,4 @@ def test_a_wall_that_does_not_move_along_itself_is_told(velocity, told, freefem_
     sides = "labelLeft, labelRight, labelBottom, labelTop"
     text = case("bodyDisk(0.5, 0.5, 0.12, 2);", walls="" if told else "labelLeft, labelRight, labelTop", moving=sides if told else "labelBottom", more=velocity, gravity=0)
     done = freefem_text(text, "-tend", 0.01, "-out", tmp_path / "run")
-    assert done.stdout.count("(flowMoving) flows in as much as out: it is no wall") == told, done.stdout
+    assert done.stdout.count("(flowMoving) goes in and out equally: it is not a wall") == told, done.stdout

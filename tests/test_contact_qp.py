@@ -147,5 +147,5 @@ def test_a_lattice_that_is_squeezed_by_little_is_said_to_have_no_room(squeeze):
     bounds = [(q, q) if w == np.inf else (None, None) for q, w in zip(q0, weight)]
     least = linprog(np.r_[np.zeros(len(q0)), 1], np.hstack([-matrix.toarray(), -np.ones((len(d), 1))]), d, bounds=[*bounds, (None, None)])
     assert least.fun > 0.1 * squeeze  # the least of the largest overlaps, in radii, that any motion leaves
-    with pytest.raises(BadInput, match="leaves a body no room: no motion satisfies the contacts"):
+    with pytest.raises(BadInput, match="leave a body no room: no motion satisfies the contacts"):
         project(scene, dt, options={"-contact-maxit": 2000})

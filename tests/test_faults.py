@@ -190,7 +190,7 @@ def test_a_mesh_that_does_not_fit_together_is_refused(box, right, wrong, says, t
 
 def test_a_file_name_never_reaches_the_shell_unread(tmp_path):
     for option in ("-bodies", "-walls"):
-        assert_refused(run("scripts/project_velocities.edp", option, "'|", "-out", tmp_path / "out.csv"), (3,), "holds signs other than")
+        assert_refused(run("scripts/project_velocities.edp", option, "'|", "-out", tmp_path / "out.csv"), (3,), "contains characters other than")
 
 
 @pytest.mark.parametrize("text, says", [
@@ -225,7 +225,7 @@ def test_a_run_whose_checkpoints_are_all_damaged_is_left_alone(box, tmp_path):
         data[len(data) // 2] ^= 0x15
         path.write_bytes(bytes(data))
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
-    assert_refused(run(*scene, "-restart", folder), (3,), "no whole checkpoint")
+    assert_refused(run(*scene, "-restart", folder), (3,), "no complete checkpoint")
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 

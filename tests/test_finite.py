@@ -32,10 +32,10 @@ def test_every_place_is_looked_at(freefem_text):
 
 
 @pytest.mark.parametrize("particles, flow, status, words", [
-    ("r[0] = none;", "", 3, "a radius or a density that is no number"),
-    ("d[1] = none;", "", 3, "a radius or a density that is no number"),
-    ("u0[0] = none;", "", 3, "a position or velocity that is no number"),
-    ("x0[1] = none;", "", 3, "a position or velocity that is no number"),
+    ("r[0] = none;", "", 3, "a radius or a density that is not finite"),
+    ("d[1] = none;", "", 3, "a radius or a density that is not finite"),
+    ("u0[0] = none;", "", 3, "a position or velocity that is not finite"),
+    ("x0[1] = none;", "", 3, "a position or velocity that is not finite"),
     ("", "if (t > 0.02) carrierU[0] = none;", 4, "no longer finite"),
 ])
 def test_a_carried_particle_without_numbers_is_refused(freefem_text, run_folder, particles, flow, status, words):

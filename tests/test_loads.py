@@ -109,12 +109,12 @@ def test_a_spring_goes_on_when_another_particle_has_left(freefem_text, tmp_path)
 
 
 @pytest.mark.parametrize("bodies, loads, complaint", [
-    ("bodyDisk(0.4, 0.6, 0.12, 2);", "bodyPush(0, bodyAtV(3), 0, 0);", "the case asks for particle 3, which there is not"),
+    ("bodyDisk(0.4, 0.6, 0.12, 2);", "bodyPush(0, bodyAtV(3), 0, 0);", "the case asks for particle 3, which does not exist"),
     ("bodyHeld(77);", "bodyPush(0, 1, 0, 0);", "bodyHeld(77): there is no such particle"),
     ("bodyDisk(0.4, 0.6, 0.12, 2); bodyPinned(77);", "bodyPush(0, 1, 0, 0);", "bodyPinned(77): there is no such particle"),
-    ("bodyHeld(bodyDisk(0.4, 0.6, 0.12, 2));", "bodyPush(0, 1, 0, 0);", "particle 0 is held"),
-    ("bodyDisk(0.4, 0.6, 0.12, 2);", "bodyPush(7, 1, 0, 0);", "caseLoads pushes particle 7, which there is not"),
-    ("bodyDisk(0.4, 0.6, 0.12, 2);", "bodyPush(0, 1e301, 0, sqrt(-1.));", "is no number"),
+    ("bodyHeld(bodyDisk(0.4, 0.6, 0.12, 2));", "bodyPush(0, 1, 0, 0);", "particle 0 is fixed"),
+    ("bodyDisk(0.4, 0.6, 0.12, 2);", "bodyPush(7, 1, 0, 0);", "caseLoads pushes particle 7, which does not exist"),
+    ("bodyDisk(0.4, 0.6, 0.12, 2);", "bodyPush(0, 1e301, 0, sqrt(-1.));", "is not finite"),
 ])
 def test_what_loads_cannot_push_is_refused(freefem_text, tmp_path, bodies, loads, complaint):
     done = freefem_text(scene(bodies, loads), "-tend", 0.1, "-out", tmp_path / "run", check=False)
@@ -136,9 +136,9 @@ def test_a_body_that_is_still_to_come_is_pushed_from_its_entry_on(freefem_text, 
 
 
 @pytest.mark.parametrize("more, complaint", [
-    ("macro caseLoads(now) bodyPush(2, 0, 1, 0); // EOM", "caseLoads pushes particle 2, which there is not"),
-    ("macro caseMotion(now) givenMotion(1, 0, 1, 0); // EOM", "particle 1 is still to come and will move freely"),
-    ("macro caseMotion(now) givenMotion(2, 0, 1, 0); // EOM", "caseMotion moves particle 2, which there is not"),
+    ("macro caseLoads(now) bodyPush(2, 0, 1, 0); // EOM", "caseLoads pushes particle 2, which does not exist"),
+    ("macro caseMotion(now) givenMotion(1, 0, 1, 0); // EOM", "particle 1 has not entered yet and will move freely"),
+    ("macro caseMotion(now) givenMotion(2, 0, 1, 0); // EOM", "caseMotion moves particle 2, which does not exist"),
 ])
 def test_a_body_that_never_comes_or_moves_freely_then_is_refused(more, complaint, freefem_text, tmp_path):
     text = case("bodyDisk(0.7, 0.3, 0.1, 2); queueAdd(0.5, 0.1, 2, 9);", more=f"macro boundaryU() (4*y*(1 - y)) // EOM\n{more}", **STREAM)
@@ -156,7 +156,7 @@ def test_ids_of_a_file_may_leave_gaps_where_nobody_is(asked, there, freefem_text
     freefem_text(text, *words, 0.04, "-out", tmp_path / "run")
     assert RunFolder(tmp_path / "run").fluid["particles"][-1] == 1
     done = freefem_text(text, *words, 0.05, "-restart", tmp_path / "run", check=False)
-    assert done.returncode == (0 if there else 3) and (there or f"caseLoads pushes particle {asked}, which there is not" in done.stderr)
+    assert done.returncode == (0 if there else 3) and (there or f"caseLoads pushes particle {asked}, which does not exist" in done.stderr)
 
 
 def test_the_published_scheme_refuses_loads(freefem_text, tmp_path):

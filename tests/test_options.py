@@ -84,8 +84,8 @@ def test_numbers_are_read(freefem_text, words, place, expected):
         (["-lift", "yes"], "needs a number"),
         (["-scheme", "other"], "one of standard|published"),
         (["-scheme", ""], "one of standard|published"),
-        (["-mesh", "a;b"], "signs other than"),
-        (["-mesh", "'; true; '"], "signs other than"),
+        (["-mesh", "a;b"], "characters other than"),
+        (["-mesh", "'; true; '"], "characters other than"),
     ],
 )
 def test_nonsense_ends_with_status_3_and_one_line(freefem_text, words, says):

@@ -190,7 +190,7 @@ def test_a_folder_that_holds_a_run_is_not_overwritten(coarse, tmp_path):
     run_freefem(CASE, *options)
     before = (tmp_path / "run" / "fluid.csv").read_bytes()
     run = run_freefem(CASE, *options, check=False)
-    assert run.returncode == 3 and "already holds a run" in run.stderr
+    assert run.returncode == 3 and "already contains a run" in run.stderr
     assert (tmp_path / "run" / "fluid.csv").read_bytes() == before
     run_freefem(CASE, *options, "-overwrite", "1")
 

@@ -106,6 +106,7 @@ def test_a_run_without_fields_or_mesh_is_drawn_from_its_particles(tmp_path, caps
     folder = write_run(tmp_path / "run", steps=20)
     assert plot.main([str(folder), "--frames", "5"]) == 0
     assert (folder / "fields.png").is_file() and (folder / "trajectories.png").is_file()
+    assert "fields.png (particles only: the run wrote no velocity" in capsys.readouterr().out
 
 
 def test_what_a_run_does_not_hold_is_said(tmp_path, capsys):

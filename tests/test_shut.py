@@ -58,5 +58,5 @@ def test_a_run_whose_throat_is_shut_ends_in_words(cfl, status, freefem, coarse, 
     assert done.returncode == status
     lines = done.stderr.splitlines()
     if status:
-        assert len(lines) == 1 and "the fluid let in by label 1 (inlet) has no way to an outlet: particle 5 shuts it from wall to wall" in lines[0]
+        assert len(lines) == 1 and "the fluid let in by label 1 (inlet) cannot reach an outlet: particle 5 closes the throat from wall to wall" in lines[0]
         assert json.loads((tmp_path / "run/run.json").read_text())["status"] == "failed (4)"

@@ -249,7 +249,8 @@ def main(words=None):
             draw = {"fields": plot_fields, "trajectories": plot_trajectories, "series": plot_series}[name]
             path = draw(run, out / f"{name}.png")
         made += 1
-        print(f"{name}: {path}", flush=True)
+        bare = name == "fields" and all(field is None for _, field in run.frames)
+        print(f"{name}: {path}" + (" (particles only: the run wrote no velocity, see -fields)" if bare else ""), flush=True)
     if not made:
         raise BadInput(f"nothing in {run.folder} can be drawn")
     return 0

@@ -3,7 +3,7 @@
     python -m tools.study cases/settling_disk.edp --meshsize 0.0625 0.0417 0.03125 \\
         --dt 0.002 0.001 --quantity mean_v --reference -5.5073
     python -m tools.study CASE --dt 0.01 0.005 --quantity final_y -- -scheme published -penalty 1e-6
-    python -m tools.study cases/cylinder_steady.edp --meshsize 0.2 0.12 0.06 --quantity result:drag_coefficient
+    python -m tools.study cases/cavity.edp --meshsize 0.08 0.04 0.02 --quantity result:u_least
     python -m tools.study cases/diaphragm_loss.edp --cells 6 8 12 --quantity result:loss_coefficient
 
 Runs the case at every pair of element size and time step, over the cores, or one by one
