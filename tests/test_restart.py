@@ -516,3 +516,29 @@ include "scripts/contacts.edp"
 """
     freefem_text(text, "-tend", 0.1, "-checkpoint", 5, "-out", tmp_path / "run")
     assert "goes on from t = 0.1 s, step 10" in freefem_text(text, "-tend", 0.2, "-restart", tmp_path / "run").stdout
+
+
+# One leaves before the checkpoint and one behind it, a light one is pushed, one turns on a pin, two enter behind it; the inlet changes until a step before it; a body lands, one falls
+# on it and one is turned from a time behind it.
+WHOLE_STATE = {
+    "open": (case("{ bodyAdd(0.99, 0.3, 0.1, 2, 1.5, 0, 0, 1); bodyAdd(0.93, 0.75, 0.1, 2, 1.2, 0, 0, 1); bodyDisk(0.5, 0.3, 0.1, 0.5); bodyPinned(bodyEllipse(0.3, 0.8, 0.12, 0.08, 0.3, 2)); "
+                  "queueAt(0.4, 0.55, 0.08, 2, 0.15); queueEllipseAt(0.2, 0.5, 0.1, 0.07, 0.5, 2, 0.06); }", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", mu=0.004,
+                  more="macro boundaryU() (4*y*(1 - y)) // EOM\nmacro caseLoads(now) bodyPush(2, 0, 1, 0); bodyPush(4, 0, 1, 0.01); // EOM\nmacro caseBoundary(now) if (now < 0.0951) inflowScale(labelLeft, 1 + 2*(now)); // EOM"),
+             ["-tend", "0.2", "-every", "0.015", "-wallforces", "1", "-fluxes", "1", "-fields", "0.03"], 10),
+    "closed": (case("{ bodyAdd(0.5, 0.15, 0.1, 3, 0, 0.5, 0, 1); bodyEllipse(0.5, 0.42, 0.14, 0.1, 0.4, 5); bodyDisk(0.8, 0.7, 0.1, 0.4); }", gravity=-4,
+                    more="macro caseLoads(now) bodyPush(2, 0.02, 0, 0.01*(now > 0.125)); // EOM"), ["-tend", "0.22", "-every", "0.03", "-budget", "1"], 11),
+}
+
+
+@pytest.mark.parametrize("scene", WHOLE_STATE)
+def test_the_whole_state_outlives_a_restart(scene, tmp_path):
+    """All tables, and the last checkpoint: what is kept for later steps is in it, whether these tables show it or not."""
+    text, words, keep = WHOLE_STATE[scene]
+    (tmp_path / "scene.edp").write_text(text)
+    whole, broken = broken_off([tmp_path / "scene.edp", "-forces", "1", "-checkpoint", keep, *words], tmp_path, keep)
+    names = [f"{name}.csv" for name in ("particles", "forces", "wallforces", "fluxes", "budget", "entries", "exits", "contacts", "shapes")] + ["fields.pvd"]
+    for name in [name for name in names if (whole / name).exists()] + [f"restart_{2 * keep:09d}.{end}" for end in ("txt", "scheme", "contacts")]:
+        assert (broken / name).read_bytes() == (whole / name).read_bytes(), name
+    got, expected = numbers(broken, "fluid.csv"), numbers(whole, "fluid.csv")
+    for column in expected:
+        np.testing.assert_array_equal(got[column], expected[column], err_msg=column)
