@@ -519,7 +519,7 @@ include "scripts/contacts.edp"
 
 
 # One leaves before the checkpoint and one behind it, a light one is pushed, one turns on a pin, two enter behind it; the inlet changes until a step before it; a body lands, one falls
-# on it and one is turned from a time behind it.
+# on it and one is turned from a time behind it; the only one has left, and the solver's first guess is quadratic in time.
 WHOLE_STATE = {
     "open": (case("{ bodyAdd(0.99, 0.3, 0.1, 2, 1.5, 0, 0, 1); bodyAdd(0.93, 0.75, 0.1, 2, 1.2, 0, 0, 1); bodyDisk(0.5, 0.3, 0.1, 0.5); bodyPinned(bodyEllipse(0.3, 0.8, 0.12, 0.08, 0.3, 2)); "
                   "queueAt(0.4, 0.55, 0.08, 2, 0.15); queueEllipseAt(0.2, 0.5, 0.1, 0.07, 0.5, 2, 0.06); }", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", mu=0.004,
@@ -527,6 +527,8 @@ WHOLE_STATE = {
              ["-tend", "0.2", "-every", "0.015", "-wallforces", "1", "-fluxes", "1", "-fields", "0.03"], 10),
     "closed": (case("{ bodyAdd(0.5, 0.15, 0.1, 3, 0, 0.5, 0, 1); bodyEllipse(0.5, 0.42, 0.14, 0.1, 0.4, 5); bodyDisk(0.8, 0.7, 0.1, 0.4); }", gravity=-4,
                     more="macro caseLoads(now) bodyPush(2, 0.02, 0, 0.01*(now > 0.125)); // EOM"), ["-tend", "0.22", "-every", "0.03", "-budget", "1"], 11),
+    "empty": (case("bodyAdd(0.99, 0.5, 0.1, 2, 2, 0, 0, 1);", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", gravity=0,
+                   more="macro boundaryU() (4*y*(1 - y)) // EOM\nmacro caseBoundary(now) inflowScale(labelLeft, 1 + sin(20*(now))); // EOM"), ["-cfl", "0", "-tend", "0.24", "-every", "0"], 12),
 }
 
 
