@@ -116,7 +116,7 @@ contactDeclare();
 optEnd();
 int walls = {walls};
 if (walls) contactWallSegment({wall});
-real[int] px = [{place[0]}, {far}], py = [{place[1]}, {far}], r = [1., 1.], mass = [1., 1.], u = [{speed[0]}, 0.], v = [{speed[1]}, 0.];
+real[int] px = [{place[0]}, {far}], py = [{place[1]}, {far}], r = [1., 1.], mass = [1., 1.], u = [{speed[0]}, {other[0]}], v = [{speed[1]}, {other[1]}];
 int[int] id = [0, 1];
 int idle = 0;
 real least = 1e30;
@@ -133,6 +133,7 @@ cout << "APART " << idle << " " << least << endl;
 """
 MEETINGS = {
     "disks along x": dict(place=(-8, 0), speed=(1, 0), far=0), "disks along y": dict(place=(0, -8), speed=(0, 1), far=0), "disks aslant": dict(place=(6, -6), speed=(-0.7, 0.7), far=0),
+    "both along x": dict(place=(-6, 0), speed=(1, 0), other=(-1, 0), far=0), "both along y": dict(place=(0, -6), speed=(0, 1), other=(0, -1), far=0),
     "a floor": dict(place=(0, 8), speed=(0, -1), wall="-20, 0, 20, 0", gap="py[0]"), "a wall": dict(place=(8, 0), speed=(-1, 0), wall="0, -20, 0, 20", gap="px[0]"),
     "a floor that rises": dict(place=(0, 8), speed=(0, 0), wall="-20, 0, 20, 0", gap="py[0] - contactSY1[0]", walls=2, push="0, 1"),
 }
@@ -141,6 +142,6 @@ MEETINGS = {
 @pytest.mark.parametrize("meeting", MEETINGS)
 def test_what_could_not_meet_for_many_steps_is_looked_after_in_time(meeting, freefem_text):
     """From whichever side they come, and from when a wall begins to move."""
-    words = dict(far=1000, walls=int("wall" in MEETINGS[meeting]), wall="0, 0, 1, 1", gap="0", push="0, 0") | MEETINGS[meeting]
+    words = dict(far=1000, other=(0, 0), walls=int("wall" in MEETINGS[meeting]), wall="0, 0, 1, 1", gap="0", push="0, 0") | MEETINGS[meeting]
     idle, least = map(float, freefem_text(APART.format(**words)).stdout.split("APART")[1].split()[:2])
     assert idle > 10 and abs(least) < 1e-6  # they meet, and no more than that
