@@ -107,3 +107,41 @@ def test_what_is_kept_between_steps_changes_no_motion(freefem_text, tmp_path, fo
     assert len(kept) == 250 and kept[:, 3:] == pytest.approx(alone[:, 3:], abs=1e-7)
     short = kept[:, 1] < 0.3
     assert (kept[short, 0] <= kept[short, 1] + 1e-9).all() and kept[:, 1].min() > -1e-8 and (size == 40 or short.sum() > 30)
+
+
+APART = """
+include "lib/contact.idp"
+optCase("apart", "what meets after many steps in which nobody could");
+contactDeclare();
+optEnd();
+int walls = {walls};
+if (walls) contactWallSegment({wall});
+real[int] px = [{place[0]}, {far}], py = [{place[1]}, {far}], r = [1., 1.], mass = [1., 1.], u = [{speed[0]}, {other[0]}], v = [{speed[1]}, {other[1]}];
+int[int] id = [0, 1];
+int idle = 0;
+real least = 1e30;
+for (int step = 0; step < 160; ++step) {{
+    if (step == 20 && walls == 2) contactWallVelocity(0, {push});
+    idle += contactIdle(px, py, r, id, u, v, 0.1);
+    contactProject(px, py, r, id, mass, u, v, 0.1);
+    px += 0.1*u; py += 0.1*v;
+    contactWallsMove(0.1);
+    if (walls) least = min(least, {gap} - 1.);
+    else least = min(least, sqrt((px[0] - px[1])^2 + (py[0] - py[1])^2) - 2);
+}}
+cout << "APART " << idle << " " << least << endl;
+"""
+MEETINGS = {
+    "disks along x": dict(place=(-8, 0), speed=(1, 0), far=0), "disks along y": dict(place=(0, -8), speed=(0, 1), far=0), "disks aslant": dict(place=(6, -6), speed=(-0.7, 0.7), far=0),
+    "both along x": dict(place=(-6, 0), speed=(1, 0), other=(-1, 0), far=0), "both along y": dict(place=(0, -6), speed=(0, 1), other=(0, -1), far=0),
+    "a floor": dict(place=(0, 8), speed=(0, -1), wall="-20, 0, 20, 0", gap="py[0]"), "a wall": dict(place=(8, 0), speed=(-1, 0), wall="0, -20, 0, 20", gap="px[0]"),
+    "a floor that rises": dict(place=(0, 8), speed=(0, 0), wall="-20, 0, 20, 0", gap="py[0] - contactSY1[0]", walls=2, push="0, 1"),
+}
+
+
+@pytest.mark.parametrize("meeting", MEETINGS)
+def test_what_could_not_meet_for_many_steps_is_looked_after_in_time(meeting, freefem_text):
+    """From whichever side they come, and from when a wall begins to move."""
+    words = dict(far=1000, other=(0, 0), walls=int("wall" in MEETINGS[meeting]), wall="0, 0, 1, 1", gap="0", push="0, 0") | MEETINGS[meeting]
+    idle, least = map(float, freefem_text(APART.format(**words)).stdout.split("APART")[1].split()[:2])
+    assert idle > 10 and abs(least) < 1e-6  # they meet, and no more than that

@@ -237,3 +237,14 @@ def test_a_disk_let_go_at_rest_meets_the_floor_in_one_long_ballistic_step(contac
     """It is looked after as far as its weight brings it, not its velocity alone."""
     folder = contacts("bodyDisk(0, 0.12, 0.1, 1);", "contactWallSegment(-1, 0, 1, 0);", "-dt", 0.1, "-tend", 0.1, "-contact-form", "ballistic", gravity=-10)
     assert read_table(folder / "particles.csv")["y"][-1] == pytest.approx(0.1, abs=1e-9)
+
+
+@pytest.mark.parametrize("along", [0, 1])
+def test_the_least_gap_of_a_ballistic_step_is_that_of_its_places(along, freefem_text, tmp_path):
+    """A disk falls past a held one, along either axis; what the weight does to its place in a step of 0.04 s is 0.08 of its radius."""
+    first, second = ("bodyAdd(-0.5, 0.215, 0.1, 1, 1, 0, 0, 1);", "bodyAdd(0.215, -0.5, 0.1, 1, 0, 1, 0, 1);")[along], "bodyAdd(0, 0, 0.1, 1, 0, 0, 0, 0);"
+    pull = ((10, 0), (0, 10))[along]
+    tracks = free_disks(freefem_text, tmp_path / "run", first + second, *pull, "-dt", 0.04, "-tend", 0.4, "-every", 0, "-contact-form", "ballistic")
+    gap, told = np.hypot(tracks[0]["x"], tracks[0]["y"]) - 0.2, read_table(tmp_path / "run" / "motion.csv")["worst_gap"]
+    nearest = gap.argmin()
+    assert gap[nearest] < 0.04 and (told <= gap + 1e-9).all() and told[nearest] == pytest.approx(gap[nearest], abs=1e-9)

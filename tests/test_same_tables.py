@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import run_freefem
-from tests.test_same_scene import SCENE, channel  # noqa: F401
+from tests.test_same_scene import SCENE, channel, turned  # noqa: F401
 from tools.mesh_files import read_mesh
 from tools.meshing.medit import write
 from tools.meshing.plane_mesh import PlaneMesh
@@ -84,12 +84,13 @@ def as_it_is(channel, tmp_path_factory):  # noqa: F811
     return tables(channel, tmp_path_factory.mktemp("base") / "run")
 
 
-MOVES = {"centimetres, grams and milliseconds": dict(unit=100.0, density=1e-3, second=1000.0), "a quarter turn": dict(turn=[[0, -1], [1, 0]]), "mirrored": dict(turn=[[-1, 0], [0, 1]])}
+MOVES = {"centimetres, grams and milliseconds": dict(unit=100.0, density=1e-3, second=1000.0), "a quarter turn": dict(turn=[[0, -1], [1, 0]]), "mirrored": dict(turn=[[-1, 0], [0, 1]]),
+         "a turn of 0.4 rad": dict(turn=turned(0.4))}
 
 
 @pytest.mark.parametrize("move", MOVES)
 def test_the_tables_do_not_hang_on_units_and_axes(move, as_it_is, channel, tmp_path):  # noqa: F811
-    """With bodies held, pinned, waiting, that touch, leave: rounding is 1e-10."""
+    """With bodies held, pinned, waiting, that touch, leave: rounding is 1e-10 to 1e-9. A waiting disk's spin was that of points along the axes, 2e-4 off where they do not turn by 30 degrees."""
     assert set(as_it_is["entries"]["id"]) == set(range(7)) and len(as_it_is["exits"]["t"]) == 2
     assert_same(tables(channel, tmp_path / "moved", **MOVES[move]), as_it_is, 1e-8)
 
