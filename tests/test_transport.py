@@ -125,6 +125,28 @@ def test_who_slides_steadily_needs_no_pass_beyond_those_of_the_drag(freefem_text
     assert (found[1]["passes"][steady] == 2).all()
 
 
+HEAP = FLOOR.replace("gravityX = 0", "gravityX = 0, rate0 = 5").replace("carrierU = 0.;", "carrierU = rate0*py; carrierUY = rate0;")
+HEAP = HEAP.replace("contactWallSegment(-1, 0, 1, 0);", "contactWallSegment(0, 0, 8e-3, 0); contactWallSegment(0, 0, 0, 1); contactWallSegment(8e-3, 0, 8e-3, 1);")
+HEAP = HEAP.replace("x0 = [0., 0.1, 0.2], y0 = [3e-5, 2e-4, 2e-3], r = [3e-5, 2e-4, 2e-3], d = [2500., 2500., 2500.], z = [0., 0., 0.]",
+                    "x0 = [1e-3, 3.2e-3, 5.5e-3, 2.1e-3, 4.6e-3, 6.5e-3, 3.3e-3], y0 = [1e-3, 1.1e-3, 1.2e-3, 3.5e-3, 3.6e-3, 3.6e-3, 6e-3], r = [1e-3, 1.1e-3, 1.2e-3, 0.9e-3, 1e-3, 0.8e-3, 1e-3], d(7), z(7); d = 2500; z = 0.")
+
+
+def test_walls_bear_the_weight_of_a_heap_at_rest_and_its_drag_in_a_shear_flow(freefem_text, tmp_path):
+    """Seven spheres between two walls: the floor bears their weight less buoyancy, the sides the drag of the flow at the places where they have come to rest."""
+    assert "rate0*py" in HEAP and "8e-3, 1" in HEAP and "d(7)" in HEAP
+    freefem_text(HEAP, "-dt", 0.002, "-tend", 0.8, "-every", 0.02, "-drag", "schiller-naumann", "-lift", 0, "-out", tmp_path / "run")
+    last = {name: values[-7:] for name, values in read_table(tmp_path / "run/particles.csv").items()}
+    press = read_table(tmp_path / "run/contacts.csv")
+    slip, radius = 5 * last["y"], last["radius"]
+    assert max(abs(last["u"]).max(), abs(last["v"]).max()) < 1e-10
+    drag = sum(0.5 * 1000 * np.pi * r**2 * exact.schiller_naumann(1e6 * 2 * r * s) * s**2 for r, s in zip(radius, slip))
+    weight = (1500 * 4 / 3 * np.pi * radius**3 * 9.81).sum()
+    for t in sorted(set(press["t"]))[-5:]:
+        now = press["t"] == t
+        assert (press["impulse"] * press["ny"])[now & (press["j"] == -1)].sum() == pytest.approx(0.002 * weight, rel=1e-9)
+        assert -(press["impulse"] * press["nx"])[now & (press["j"] < -1)].sum() == pytest.approx(0.002 * drag, rel=1e-9)
+
+
 @pytest.mark.parametrize("dt", [0.0005, 0.02])
 def test_small_spheres_in_contact_fall_as_one_whatever_the_step(dt, freefem, run_folder):
     """Their drags count where these are fast, not their masses: they fell by 6 and 22 % too fast."""
