@@ -396,9 +396,9 @@ def test_a_disk_of_exactly_two_elements_falls_within_a_few_percent(freefem, tmp_
     ("id,x,y,radius,density,colour\n0,1,1,0.1,2,3\n", "first line"),
     ("id,x,y,radius,density,x\n0,1,1,0.1,2,3\n", "first line"),
     ("id,x,y,radius,density,aspect\n0,1,1,0.1,2,1.5\n", "minor over the major"),
-    ("id,x,y,radius,density,free\n0,1,1,0.1,2,0.5\n", "1 moves freely"),
-    ("id,x,y,radius,density,free,turns\n0,1,1,0.1,2,0,0.5\n", "1 turns freely"),
-    ("id,x,y,radius,density,turns\n0,1,1,0.1,2,0\n", "1 turns freely"),
+    ("id,x,y,radius,density,free\n0,1,1,0.1,2,0.5\n", "1: it moves freely"),
+    ("id,x,y,radius,density,free,turns\n0,1,1,0.1,2,0,0.5\n", "1: it turns freely"),
+    ("id,x,y,radius,density,turns\n0,1,1,0.1,2,0\n", "1: it turns freely"),
 ])
 def test_a_bad_list_of_particles_is_refused(freefem, tmp_path, text, words):
     file = tmp_path / "bad.csv"

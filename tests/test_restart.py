@@ -410,7 +410,7 @@ def test_a_file_of_particles_that_was_edited_is_told(tmp_path):
     file.write_text("id,x,y,radius,density\n0,0.4,0.5,0.12,4\n")
     edited = run_freefem(*words, "0.03")
     assert ["disks.csv has changed since the checkpoint" in run.stdout for run in (same, edited)] == [False, True]
-    assert "they are those of the checkpoint" in edited.stdout
+    assert "are those of the checkpoint" in edited.stdout
 
 
 def test_a_force_on_the_fluid_that_was_edited_counts_after_a_restart(tmp_path):

@@ -651,7 +651,7 @@ def test_pipe_flow_tells_what_large_elements_at_the_walls_do(freefem, run_folder
     out = freefem("cases/pipe_flow.edp", "-mesh", coarse, "-axisymmetric", 1, "-profile", "power", "-out", run_folder).stdout
     found = results(run_folder)
     assert f"its mean is {found['mean_velocity']:.6g} m/s, not 1.63333" in out
-    assert f"stands {100 * found['wall_distance_mean'] / 0.1:.0f} % of the pipe's radius" in out and "take smaller elements at the walls" in out
+    assert f"at a mean distance of {100 * found['wall_distance_mean'] / 0.1:.0f} % of the pipe's radius" in out and "take smaller elements at the walls" in out
     out = freefem("cases/pipe_flow.edp", "-mesh", coarse, "-axisymmetric", 1, "-reynolds", 5000, "-out", run_folder, "-overwrite", 1).stdout
     found = results(run_folder)
     assert found["wall_distance_least"] == pytest.approx(30, rel=1e-9) and found["wall_distance_most"] == 30 and f"here {100 * found['wall_distance_mean'] / 0.1:.0f} %, whatever the elements: take a higher Reynolds number" in out
