@@ -16,7 +16,7 @@ include "scripts/contacts.edp"
 """
 
 
-@pytest.mark.parametrize("count, move", [(2000, 0.02), (2000, 0.005), (300, 0.01)])
+@pytest.mark.parametrize("count, move", [(2000, 0.02), (300, 0.01)])
 def test_a_disk_slides_round_a_ring(count, move, freefem_text, tmp_path):
     """The projection onto the wall at the end of each move takes (move/R)^2 of the speed: 1/v^2 grows by 2 dt/R^2 t, R the radius of the centre's way. 17 and 5 % went on a radius before."""
     freefem_text(RING.format(count=count, start=-0.9 + 1e-5 + (np.pi / count) ** 2), "-dt", move, "-tend", 1, "-out", tmp_path / "run")
@@ -34,7 +34,7 @@ ifstream f("{disks}");
 f >> n;
 real[int] px(n), py(n), r(n);
 for (int k = 0; k < n; ++k) f >> px[k] >> py[k] >> r[k];
-contactSearch(px, py, r, -1e3, 1.);
+contactSearch(px, py, r, 0, 1.);
 contactMeasure(px, py, r);
 ofstream g("{gaps}");
 g.precision(15);
