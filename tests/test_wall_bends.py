@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 
+from tests.test_pipe import distances_to_segments
 from tools.run_folder import RunFolder
 
 RING = """
@@ -43,14 +44,6 @@ cout << "bends " << bendFind() << endl;
 """
 
 
-def distances(px, py, ends):
-    """(disks, walls): distances of centres from segments."""
-    ax, ay = px[:, None] - ends[:, 0], py[:, None] - ends[:, 1]
-    tx, ty = ends[:, 2] - ends[:, 0], ends[:, 3] - ends[:, 1]
-    along = np.clip((ax * tx + ay * ty) / (tx**2 + ty**2), 0, 1)
-    return np.hypot(ax - along * tx, ay - along * ty)
-
-
 @pytest.mark.parametrize("seed", range(6))
 def test_a_disk_that_touches_nothing_has_no_negative_gap(seed, freefem_text, tmp_path):
     """On either side of a wavy closed line with bumps narrower than the disks, and of an open one: gaps are never above the distance to the segment, and below 0 only for who overlaps a wall."""
@@ -64,14 +57,14 @@ def test_a_disk_that_touches_nothing_has_no_negative_gap(seed, freefem_text, tmp
     ends[flip] = ends[flip][:, [2, 3, 0, 1]]
     ends = ends[rng.permutation(len(ends))]
     px, py = rng.uniform(-1.6, 1.6, (2, 1500))
-    near = distances(px, py, ends).min(1)
+    near = distances_to_segments(px, py, ends[:, :2], ends[:, 2:]).min(1)
     r = np.minimum(near, 10 ** rng.uniform(-2, -0.2, 1500)) * (1 - 1e-9)  # many touch, none overlaps
     (tmp_path / "walls.csv").write_text("x1,y1,x2,y2\n" + "".join(",".join(f"{value:.17g}" for value in row) + "\n" for row in ends))
     (tmp_path / "disks.txt").write_text(f"{len(px)}\n" + "".join(f"{a:.17g} {b:.17g} {c:.17g}\n" for a, b, c in zip(px, py, r)))
     done = freefem_text(GAPS.format(walls=tmp_path / "walls.csv", disks=tmp_path / "disks.txt", gaps=tmp_path / "gaps.txt"))
     found = np.loadtxt(tmp_path / "gaps.txt")
     disk, wall, gap = found[:, 0].astype(int), found[:, 1].astype(int), found[:, 2]
-    true = distances(px, py, ends)[disk, wall] - r[disk]
+    true = distances_to_segments(px, py, ends[:, :2], ends[:, 2:])[disk, wall] - r[disk]
     assert len(found) > 10000 and "bends 1" in done.stdout
     assert (gap <= true + 1e-12).all() and (gap < true - 1e-3).sum() > 100  # some gaps are those to lines
     assert gap.min() > -1e-12
