@@ -5,9 +5,8 @@ import pytest
 from tests.conftest import run_freefem
 from tests.test_boundaries import case
 from tests.test_restart import broken_off
+from tests.test_same_scene import write_moved
 from tools.mesh_files import read_mesh
-from tools.meshing.medit import write
-from tools.meshing.plane_mesh import PlaneMesh
 from tools.run_folder import RunFolder
 
 # A mesh without symmetry; a wall on three sides, a plane of symmetry on the fourth.
@@ -31,7 +30,7 @@ def runs(box, folder, turn):
     turn = np.array(turn, float)
     folder.mkdir()
     sense = round(np.linalg.det(turn))
-    write(PlaneMesh(box.points @ turn.T, box.triangles[:, ::-1] if sense < 0 else box.triangles, box.edges, box.labels), folder / "box.mesh")
+    write_moved(box, folder / "box.mesh", turn)
     words = []
     for x, y, long, short, angle, density in BODIES:
         centre, axis = turn @ (x, y), turn @ (np.cos(angle), np.sin(angle))

@@ -52,13 +52,17 @@ def channel(tmp_path_factory):
     return read_mesh(folder / "channel.mesh")
 
 
+def write_moved(mesh, path, turn, unit=1.0, origin=(0.0, 0.0)):
+    """Writes a mesh turned or mirrored, in another unit and about another origin; its triangles keep their sense."""
+    triangles = mesh.triangles[:, ::-1] if np.linalg.det(turn) < 0 else mesh.triangles
+    write(PlaneMesh(mesh.points @ np.transpose(turn) * unit + np.asarray(origin), triangles, mesh.edges, mesh.labels), path)
+
+
 def motion(channel, folder, turn=np.eye(2), origin=(0.0, 0.0), unit=1.0, second=1.0, density=1.0, slip=False):
     """Rows t, id, x, y, u, v, omega of the scene, in its own units and axes; unit, second: its units of length and time."""
     turn, origin = np.asarray(turn, float), np.asarray(origin, float)
     folder.mkdir()
-    mirrored = np.linalg.det(turn) < 0
-    triangles = channel.triangles[:, ::-1] if mirrored else channel.triangles  # they keep their sense
-    write(PlaneMesh(channel.points @ turn.T * unit + origin, triangles, channel.edges, channel.labels), folder / "moved.mesh")
+    write_moved(channel, folder / "moved.mesh", turn, unit, origin)
     bodies = []
     for x, y, long, short, angle, ratio in BODIES:
         centre, axis = turn @ (x, y) * unit + origin, turn @ (np.cos(angle), np.sin(angle))
@@ -72,7 +76,7 @@ def motion(channel, folder, turn=np.eye(2), origin=(0.0, 0.0), unit=1.0, second=
     rows = RunFolder(folder / "run").particles
     places = (np.column_stack([rows["x"], rows["y"]]) - origin) / unit @ turn
     speeds = np.column_stack([rows["u"], rows["v"]]) / unit * second @ turn
-    return np.column_stack([rows["t"] / second, rows["id"], places, speeds, rows["omega"] * second * (-1 if mirrored else 1)])
+    return np.column_stack([rows["t"] / second, rows["id"], places, speeds, rows["omega"] * second * (-1 if np.linalg.det(turn) < 0 else 1)])
 
 
 @pytest.fixture(scope="module")

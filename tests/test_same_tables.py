@@ -3,10 +3,8 @@ import numpy as np
 import pytest
 
 from tests.conftest import run_freefem
-from tests.test_same_scene import SCENE, channel, turned  # noqa: F401
+from tests.test_same_scene import SCENE, channel, turned, write_moved  # noqa: F401
 from tools.mesh_files import read_mesh
-from tools.meshing.medit import write
-from tools.meshing.plane_mesh import PlaneMesh
 from tools.run_folder import RunFolder
 
 # what the case calls, centre, semi-axes, angle, density over the fluid's, due at
@@ -20,8 +18,7 @@ def tables(channel, folder, turn=np.eye(2), unit=1.0, second=1.0, density=1.0): 
     turn = np.asarray(turn, float)
     folder.mkdir()
     sense = np.sign(np.linalg.det(turn))
-    triangles = channel.triangles[:, ::-1] if sense < 0 else channel.triangles
-    write(PlaneMesh(channel.points @ turn.T * unit, triangles, channel.edges, channel.labels), folder / "moved.mesh")
+    write_moved(channel, folder / "moved.mesh", turn, unit)
     bodies = []
     for how, x, y, long, short, angle, ratio, due in BODIES:
         centre, axis = turn @ (x, y) * unit, turn @ (np.cos(angle), np.sin(angle))
