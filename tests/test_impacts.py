@@ -9,10 +9,10 @@ from tools.run_folder import RunFolder
 from tools.stress.overlap import aspects, pair_overlap
 
 
-def landing(freefem_text, folder, ratio, dt):
+def landing(freefem_text, folder, ratio, dt, end=0.5):
     """A disk eight elements across goes to the floor, or a light one to the lid, at a Reynolds number of 130."""
     text = case(f"bodyDisk(0.5, {0.3 if ratio > 1 else 0.7}, 0.12, {ratio});", mu=0.002, gravity=-20)
-    freefem_text(text, "-dt", dt, "-tend", 0.5, "-every", 0, "-budget", 1, "-out", folder)
+    freefem_text(text, "-dt", dt, "-tend", end, "-every", 0, "-budget", 1, "-out", folder)
     run = RunFolder(folder)
     sense = 1 if ratio > 1 else -1
     return run, sense * run.particles["v"], (run.particles["y"] if ratio > 1 else 1 - run.particles["y"]) - 0.12
@@ -31,13 +31,20 @@ def test_the_impulse_of_an_impact_at_a_wall_closes_the_balance(ratio, freefem_te
 
 
 @pytest.mark.parametrize("ratio", [0.2, 2])
-@pytest.mark.parametrize("step", [0.002, 0.001, 0.0005])
-def test_a_gap_that_the_mesh_does_not_resolve_is_no_spring(ratio, step, freefem_text, tmp_path):
-    """Small steps: half of the speed and more came back, without the wall being touched; where vertices deep within the disk took part, up to 0.28."""
-    run, v, gap = landing(freefem_text, tmp_path / "run", ratio, step)
-    near = int(np.argmax(gap < 0.02))
-    assert run.fluid["contacts"].max() > 0 and gap.min() < 1e-6
-    assert v[near:].max() < (0.17 if (ratio, step) == (2, 0.001) else 0.15) * -v.min()
+def test_a_disk_lands_without_a_rebound_whatever_the_step(ratio, freefem_text, tmp_path):
+    """A gap that the mesh does not resolve was a spring (half of the speed came back), and an impact divided between two steps left up to a sixth of it; its impulse then varied by 17 % with the step."""
+    impulses = []
+    for step in (0.002, 0.0005):
+        run, v, gap = landing(freefem_text, tmp_path / f"run{step}", ratio, step, 0.28 if ratio < 1 else 0.38)
+        contacts = run.table("contacts")
+        hit = int(np.argmin(abs(run.particles["t"] - contacts["t"][0])))
+        assert v[:hit - 1].min() < -1 and gap.min() > -1e-9
+        assert v[hit:].max() < 0.02 * -v.min() and gap[hit + 1:].max() < 1e-4
+        impulses.append(contacts["impulse"][contacts["t"] < contacts["t"][0] + 0.05].sum())
+        budget = run.table("budget")
+        off = budget["momentum_y"] - budget["walls_y"] - budget["weight_y"]
+        assert abs(off[hit - 1:hit + 20] - off[hit - 2]).max() < 0.015 * impulses[-1]  # 3 to 7 % when the impact was divided
+    assert max(impulses) < 1.04 * min(impulses)
 
 
 @pytest.mark.parametrize("bodies", [
@@ -167,24 +174,27 @@ include "scripts/resolved.edp"
 """
 
 
-@pytest.mark.parametrize("bodies, before", [
-    ("bodyAdd(0.35, 0.5, 0.08, 5, 2, 0, 0, 1); bodyEllipse(0.6, 0.5, 0.12, 0.06, 0.8, 1);", 0.12),
-    ("bodyAdd(0.35, 0.5, 0.08, 5, 2, 0, 0, 1); bodyEllipse(0.6, 0.5, 0.12, 0.06, 0, 1);", 0.15),
-    ("bodyAdd(0.35, 0.44, 0.1, 2, 2, 0, 0, 1); bodyDisk(0.6, 0.5, 0.1, 1);", 0.23),
-    ("bodyAdd(0.35, 0.5, 0.1, 1, 2, 0, 0, 1); bodyAdd(0.6, 0.5, 0.1, 0.3, -2, 0, 0, 1);", 0.10),
-    ("bodyAdd(0.26, 0.5, 0.1, 2, 2, 0, 0, 1); bodyDisk(0.5, 0.5, 0.1, 1); bodyDisk(0.715, 0.52, 0.1, 1);", 0.21)])  # the third is near, and not hit
-def test_an_impact_keeps_the_momentum_of_fluid_and_bodies(bodies, before, freefem_text, tmp_path):
-    """In the step of the first impact; before: the jump over the impulse as the projection's masses say."""
+@pytest.mark.parametrize("bodies, before, within", [
+    ("bodyAdd(0.35, 0.5, 0.08, 5, {}, 0, 0, 1); bodyEllipse(0.6, 0.5, 0.12, 0.06, 0.8, 1);", 0.12, 0.007),
+    ("bodyAdd(0.35, 0.5, 0.08, 5, {}, 0, 0, 1); bodyEllipse(0.6, 0.5, 0.12, 0.06, 0, 1);", 0.15, 0.007),
+    ("bodyAdd(0.35, 0.44, 0.1, 2, {}, 0, 0, 1); bodyDisk(0.6, 0.5, 0.1, 1);", 0.23, 0.007),
+    ("bodyAdd(0.35, 0.5, 0.1, 1, 2, 0, 0, 1); bodyAdd(0.6, 0.5, 0.1, 0.3, -{}, 0, 0, 1);", 0.10, 0.04),  # of a light one the nodes' inertia changes from step to step, 3 % of the impulse without any contact
+    ("bodyAdd(0.26, 0.5, 0.1, 2, {}, 0, 0, 1); bodyDisk(0.5, 0.5, 0.1, 1); bodyDisk(0.715, 0.52, 0.1, 1);", 0.21, 0.007)])  # the third is near, and not hit
+def test_an_impact_keeps_the_momentum_of_fluid_and_bodies(bodies, before, within, freefem_text, tmp_path):
+    """In the ten steps from the first impact on, at two speeds, which meet in other parts of a step; before: the jump over the impulse as the projection's masses say.
+    Divided between two steps, 0.03 to 0.86 of the impulse was in the first, and up to 5 % of it (11 % with the light one) was missing for five steps."""
     mesh = tmp_path / "period.mesh"
-    text = f'{{ int[int] sides = [13, 12, 14, 11]; savemesh(square(40, 40, label = sides), "{mesh}"); }}\ncout.precision(12);\n' + HIT.replace("BODIES", bodies)
-    found = rows(freefem_text(text, "-mesh", mesh, "-out", tmp_path / "run").stdout, "momentum")
-    first = int(np.argmax(found[:, 2] > 1e-4))
-    assert first > 1 and found[:, 2].max() > 1e-3
-    press = found[first:first + 10, 2].sum()  # of the whole collision
-    assert np.hypot(*(found[first, :2] - found[first - 1, :2])) < 0.006 * press < 0.1 * before * press
-    assert np.hypot(*(found[first - 1, :2] - found[0, :2])) < 0.0015 * found[0, 0]
-    assert np.hypot(*(found[-1, :2] - found[first - 1, :2])) < 0.01 * press
-    assert worst_overlap(tmp_path / "run") < 1e-6
+    for speed in (1.9, 2.1):
+        text = f'{{ int[int] sides = [13, 12, 14, 11]; savemesh(square(40, 40, label = sides), "{mesh}"); }}\ncout.precision(12);\n' + HIT.replace("BODIES", bodies.format(speed))
+        found = rows(freefem_text(text, "-mesh", mesh, "-out", tmp_path / f"run{speed}").stdout, "momentum")
+        first = int(np.argmax(found[:, 2] > 1e-4))
+        assert first > 1 and found[:, 2].max() > 1e-3
+        press = found[first:first + 10, 2].sum()  # of the whole collision
+        off = np.hypot(*(found[first:first + 10, :2] - found[first - 1, :2]).T)
+        assert off.max() < within * press < 0.5 * before * press
+        assert found[first, 2] > 0.75 * press
+        assert np.hypot(*(found[first - 1, :2] - found[0, :2])) < (0.0015 if within < 0.01 else 0.012) * found[0, 0]
+        assert worst_overlap(tmp_path / f"run{speed}") < 1e-6
 
 
 def test_an_impact_of_two_bodies_is_no_impulse_of_the_walls(freefem_text, tmp_path):
