@@ -248,3 +248,17 @@ def test_the_shorter_of_two_periods_bounds_what_disks_may_be(turned):
                 project(pair, 0.01, 1e-11, options=options)
         else:
             np.testing.assert_allclose(project(pair, 0.01, 1e-11, options=options).velocity, pair.velocity, atol=1e-12)
+
+
+def test_no_pair_is_listed_over_both_sides_however_wide_the_skin(freefem_text):
+    """In a row round a period of 1, which they fill to four fifths; all would be within three radii over either side."""
+    out = freefem_text("""
+include "lib/contact.idp"
+contactPeriodic(0, 0, 1, 0);
+contactSkin = 8;
+real[int] px = [0.1, 0.35, 0.6, 0.85], py = [0.1, 0.2, 0.15, 0.12], r = [0.1, 0.09, 0.1, 0.1];
+int[int] id = 0:3;
+contactUpdate(px, py, r, id, 0.02);
+for (int k = 0; k < contactNearPairs; ++k) cout << "pair " << contactNearI[k] << " " << contactNearJ[k] << endl;
+""").stdout
+    assert sorted(map(tuple, rows(out, "pair").tolist())) == [(0, 1), (0, 3), (1, 2), (2, 3)]

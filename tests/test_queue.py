@@ -117,3 +117,17 @@ def test_who_enters_partly_over_an_outlet_moves_as_a_rigid_body_that_the_fluid_t
     queue = "{ queueAt(0.96, 0.95, 0.12, 1, 9); queueEllipseAt(0.96, 0.95, 0.14, 0.1, 0.5, 1, 9); }"
     found = motions(freefem_text, queue, u, v, "-out", tmp_path / "run", walls="", moving="labelLeft, labelBottom", outlet="labelRight, labelTop")
     np.testing.assert_allclose(found, [motion, motion], atol=1e-9)
+
+
+def test_who_enters_has_the_mean_velocity_of_a_flow_that_bends(freefem_text, tmp_path):
+    """Twelve thirteenths of what the bend adds: a quarter of the square of the radius, or of the semi-axis (the thirteenth point is the centre)."""
+    queue = "{ queueAt(0.4, 0.6, 0.2, 1, 9); queueEllipseAt(0.5, 0.45, 0.25, 0.1, 0, 1, 9); }"
+    found, part = motions(freefem_text, queue, "y^2", "x^2", "-out", tmp_path / "run"), 12 / 13 / 4
+    np.testing.assert_allclose(found[:, :2], [[0.6**2 + part * 0.2**2, 0.4**2 + part * 0.2**2], [0.45**2 + part * 0.1**2, 0.5**2 + part * 0.25**2]], atol=1e-9)
+
+
+@pytest.mark.parametrize("queue, status, words", [("queueAt(0.5, 0.1, 0.1, 1, sqrt(-1.));", 3, "a time that is not finite"), ("queueAt(0.5, 0.0999, 0.1, 1, 0);", 5, "would overlap a wall by 0.0001"), ("queueAt(0.5, 0.1, 0.1, 1, 0);", 0, ""),
+                                                  ("queueAt(-0.06, 0.08, 0.1, 1, 0);", 0, ""), ("queueAt(-0.05, 0.08, 0.1, 1, 0);", 5, "would overlap a wall by 0.005")])
+def test_who_waits_may_touch_a_wall_and_not_overlap_it(queue, status, words, freefem_text):
+    done = freefem_text(f'include "lib/queue.idp"\ncontactWallSegment(0, 1, 1, 1); contactWallSegment(1, 0, 0, 0);\n{queue}\nqueueCheck(1);', check=False)
+    assert done.returncode == status and words in done.stderr

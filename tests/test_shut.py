@@ -76,7 +76,7 @@ def test_ways_are_shut_wherever_the_list_of_edges_begins(order, turned, freefem_
     if turned:  # in the line y = 1/2: below and above change places
         mesh += "Fork = movemesh(Fork, [x, 1 - y]);\nint[int] other = [13, 14, 14, 13, 2, 12, 12, 2];\nFork = change(Fork, label = other);\n"
     mesh += f'savemesh(Fork, "{tmp_path / "fork.mesh"}");\n'
-    presses = PRESSES | {"a wall of the case": ("[0, 0]", "[0, 14]", "-1")}
+    presses = PRESSES | {f"a wall of the case and {label}": ("[0, 0]", f"[0, {label}]", "-1") for label in (13, 14)}
     lists = "".join(f"int[int] who{k} = {who}, what{k} = {what};\n" for k, (who, what, _) in enumerate(presses.values()))
     step = f"macro caseStep() {{ {' '.join(f'shutLook(who{k}, what{k})' for k in range(len(presses)))} }} // EOM\n"
     scene = case("{ bodyDisk(0.4, 0.3, 0.15, 2); bodyDisk(1.5, 0.7, 0.15, 2); contactWallSegment(0, 0, 0.1, 0.05); contactWallSegment(0, 1, 0.1, 0.95); }",
@@ -96,7 +96,7 @@ border upper(s = 1, 0.6) {{ x = 0; y = s; label = 1; }}
 border between(s = 0.6, 0.4) {{ x = 0; y = s; label = 5; }}
 border lower(s = 0.4, 0) {{ x = 0; y = s; label = 11; }}
 border hole(s = 0, 2*pi) {{ x = 1 + 0.15*cos(s); y = 0.5 + 0.15*sin(s); label = {hole}; }}
-savemesh(buildmesh(below(20) + out(6) + beside(4) + above(20) + upper(4) + between(2) + lower(4) + hole(-16)), "{file}");
+savemesh(buildmesh(below(20) + out(6) + beside(4) + above(20) + upper(7) + between(2) + lower(4) + hole(-16)), "{file}");
 """
 
 
