@@ -346,3 +346,82 @@ def test_a_thin_ellipse_does_not_go_through_a_wall_or_a_body_in_one_step(freefem
     points = outline(u, height + v, turn + w, 1.0, 0.1, np.linspace(0, 2 * np.pi, 2001))
     floor = np.where(np.abs(points[0]) < 3, 0.3 * np.sqrt(np.maximum(0, 1 - (points[0] / 3)**2)) - 0.3, -np.inf) if held else 0
     assert (points[1] - floor).min() > -1e-7
+
+
+NEAR = [*WALLS, (-1.4, 0.42, -0.6, 0.42)]  # one under body 2
+STAY = "\nfor (int k = 0; k < contactSN; ++k) cout << \"wall \" << contactSX1[k] << \" \" << contactSY1[k] << \" \" << contactSX2[k] << \" \" << contactSY2[k] << endl;\n"
+
+
+@pytest.mark.parametrize("dt", [0.25, 0.5])
+def test_bodies_and_walls_that_move_along_together_are_projected_as_at_rest(freefem_text, dt):
+    """The velocities of all but for that one, the same impulses, and walls that are where they were."""
+    u, v = 1.7, -2.3
+    found = []
+    for fast in (0, 1):
+        speed = [(s[0] + fast * u, s[1] + fast * v, s[2]) for s in SPEED]
+        drive = "".join(f"contactWallVelocity({k}, {u}, {v});\n" for k in range(len(NEAR))) if fast else ""
+        out = freefem_text(scene(walls=NEAR, speed=speed, more=drive + PROJECT.replace("DT", str(dt)) + STAY)).stdout
+        np.testing.assert_allclose(rows(out, "wall"), NEAR, atol=1e-14)
+        found.append((rows(out, "speed") - [fast * u, fast * v, 0], {(i, j): p for i, j, p in rows(out, "press") if p > 1e-7}))
+    assert abs(found[0][0] - SPEED).max() > 0.1 and min(j for _, j in found[0][1]) < 0 < max(j for _, j in found[0][1])
+    np.testing.assert_allclose(found[1][0], found[0][0], atol=1e-6)
+    assert found[1][1] == pytest.approx(found[0][1], abs=1e-6)
+
+
+@pytest.mark.parametrize("angle, mirror", [(0.7, 1), (-2.0, -1)])
+def test_a_scene_that_is_turned_or_mirrored_is_projected_turned_or_mirrored(freefem_text, angle, mirror):
+    """With masses across other than along the axes."""
+    turn = np.array([[np.cos(angle), -mirror * np.sin(angle)], [np.sin(angle), mirror * np.cos(angle)]])
+    uneven = f"contactEllipseAside.resize(5); contactEllipseAside = {[4.0, 2.5, 0.3, 1.0, 6.0]};"
+    bodies = [(*(turn @ b[:2]), angle + mirror * b[2], *b[3:]) for b in BODIES]
+    walls = [(*(turn @ w[:2]), *(turn @ w[2:])) for w in NEAR]
+    speed = [(*(turn @ s[:2]), mirror * s[2]) for s in SPEED]
+    plain, other = (rows(freefem_text(scene(*what, more=uneven + PROJECT.replace("DT", "0.3"))).stdout, "speed") for what in ((BODIES, NEAR, MASS, MOMENT, SPEED), (bodies, walls, MASS, MOMENT, speed)))
+    assert abs(plain - SPEED).max() > 0.1
+    np.testing.assert_allclose(other, np.column_stack([plain[:, :2] @ turn.T, mirror * plain[:, 2]]), atol=1e-6)
+
+
+def test_the_axis_across_a_disk_may_be_called_the_one_along_it(freefem_text):
+    """Masses m along and s m across are s m along and m across, of a disk a quarter turn on: all s above 1, and all below."""
+    bodies = [(*b[:3], 0.5, 1.0) for b in BODIES]
+    share = np.array([4.0, 2.5, 1.0, 1.0, 6.0])
+    swapped = [(*b[:2], b[2] + np.pi / 2 * (s != 1), *b[3:]) for b, s in zip(bodies, share)]
+    found = []
+    for those, mass, aside in ((bodies, MASS, share), (swapped, list(np.array(MASS) * share), 1 / share)):
+        uneven = f"contactEllipseAside.resize(5); contactEllipseAside = {[float(s) for s in aside]};"
+        found.append(rows(freefem_text(scene(those, WALLS, mass, MOMENT, SPEED, more=uneven + PROJECT.replace("DT", "0.9"))).stdout, "speed"))
+    plain = rows(freefem_text(scene(bodies, WALLS, MASS, MOMENT, SPEED, more=PROJECT.replace("DT", "0.9"))).stdout, "speed")
+    np.testing.assert_allclose(found[1], found[0], atol=1e-7)
+    assert abs(plain - found[0]).max() > 0.05
+
+
+def test_each_impulse_is_the_change_of_momentum_that_it_makes(freefem_text):
+    """Of a move short enough for one linearisation: forces along the normals, torques by the lever arms."""
+    told = "for (int k = 0; k < contactN; ++k) cout << \"row \" << contactI[k] << \" \" << contactJ[k] << \" \" << contactImpulse[k] << \" \" << contactEx[k] << \" \" << contactEy[k] << endl;"
+    out = freefem_text(scene(walls=NEAR, speed=[(3 * a, 3 * b, 0.1 * c) for a, b, c in SPEED], more=MEASURE + "contactOverlap = 0.05;" + PROJECT.replace("DT", "0.08") + told)).stdout
+    change = rows(out, "speed") - np.array(SPEED) * [3, 3, 0.1]
+    push, table = np.zeros((5, 3)), rows(out, "row")
+    assert rows(out, "passes")[0, 0] == 1 and (table[:, 2] > 1e-3).sum() >= 2 and table[table[:, 1] < 0, 2].max() > 1e-3
+    arms = {(i, j): (arm_i, arm_j) for i, j, _, _, _, arm_i, arm_j in rows(out, "gap")}  # before the move
+    for i, j, press, ex, ey in table:
+        arm_i, arm_j = arms[i, j]
+        push[int(i)] += press * np.array([ex, ey, arm_i])
+        if j >= 0:
+            push[int(j)] += press * np.array([-ex, -ey, arm_j])
+    free = np.array(MASS) > 0
+    np.testing.assert_allclose((change * np.column_stack([MASS, MASS, MOMENT]))[free], push[free], atol=1e-8)
+
+
+def test_a_projection_does_not_depend_on_the_ones_before_it(freefem_text):
+    """A scene of fewer bodies first, in which some press; then one in which all are held."""
+    before = """
+{ real[int] px2 = [0., 0.9], py2 = [0., 0.1], turn2 = [0.3, 1.], r2 = [0.5, 0.4], a2 = [0.5, 0.7], m2 = [1., 2.], j2 = [0.2, 0.3], u2 = [1., -1.], v2 = [0., 0.2], w2 = [0.5, 0.]; int[int] id2 = [3, 4];
+  contactEllipseProject(px2, py2, turn2, r2, a2, id2, m2, j2, u2, v2, w2, 0.3); cout << "first " << contactWorstGap << " " << contactImpulse.max << endl; }
+"""
+    held = "mass = -1.;\nreal[int] u0 = u, v0 = v, w0 = w;\ncontactEllipseProject(px, py, turn, r, aspect, id, mass, moment, u, v, w, 0.5); u -= u0; v -= v0; w -= w0;\ncout << \"held \" << u.linfty + v.linfty + w.linfty << \" \" << contactHeldGap << endl;"
+    alone, after = (freefem_text(scene(more=first + PROJECT.replace("DT", "0.3") + held)).stdout for first in ("", before))
+    assert rows(after, "first")[0, 1] > 0.1
+    np.testing.assert_allclose(rows(after, "speed"), rows(alone, "speed"), atol=1e-9)
+    for out in (alone, after):
+        same, gap = rows(out, "held")[0]
+        assert same == 0 and gap < -0.1
