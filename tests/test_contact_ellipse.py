@@ -425,3 +425,12 @@ def test_a_projection_does_not_depend_on_the_ones_before_it(freefem_text):
     for out in (alone, after):
         same, gap = rows(out, "held")[0]
         assert same == 0 and gap < -0.1
+
+
+def test_who_has_been_projected_may_change_places(freefem_text):
+    """The directions of the move before are those of its step only: a gap measured later does not depend on them."""
+    swap = "{ real a = px[0], b = py[0]; px[0] = px[1]; py[0] = py[1]; px[1] = a; py[1] = b; }\n" + MEASURE
+    pair = ([(0.0, 0.0, 0.3, 0.5, 0.5), (1.2, 0.1, 1.0, 0.4, 0.7)], [], [1.0, 2.0], [0.2, 0.3], [(2.0, 0.0, 0.0), (-2.0, 0.0, 0.0)])
+    after, fresh = (freefem_text(scene(*pair, more=first + swap)).stdout for first in (PROJECT.replace("DT", "0.3"), ""))
+    assert rows(after, "press")[0, 2] > 0.1 and len(rows(fresh, "gap")) == 1
+    np.testing.assert_allclose(rows(after, "gap"), rows(fresh, "gap"), atol=1e-12)
