@@ -434,3 +434,18 @@ def test_who_has_been_projected_may_change_places(freefem_text):
     after, fresh = (freefem_text(scene(*pair, more=first + swap)).stdout for first in (PROJECT.replace("DT", "0.3"), ""))
     assert rows(after, "press")[0, 2] > 0.1 and len(rows(fresh, "gap")) == 1
     np.testing.assert_allclose(rows(after, "gap"), rows(fresh, "gap"), atol=1e-12)
+
+
+@pytest.mark.parametrize("upright", [0, 1])
+def test_a_wall_along_a_whole_period_has_no_end_for_an_ellipse_over_its_seam(freefem_text, upright):
+    """The foot of the ellipse lies beyond one end or the other: its height less the support function, whichever axis is periodic."""
+    for along, turn in ((0.05, 0.6), (7.95, 0.6), (0.05, -0.6), (7.95, -0.6), (4.0, 0.6)):
+        body, wall, angle = (along, 0.8, turn, 1.0, 0.3), (0.0, 0.0, 8.0, 0.0), turn
+        if upright:
+            body, wall = (body[1], body[0], np.pi / 2 - turn, *body[3:]), (0.0, 0.0, 0.0, 8.0)
+        text = scene([body], [wall], [1.0], [1.0], [(0, 0, 0)], 8.0, MEASURE.replace("10.", "1."))
+        if upright:
+            text = text.replace("contactPeriodic(0, -5, 8.0, 0);", "contactPeriodic(-5, 0, 0, 8.0);")
+        found = rows(freefem_text(text).stdout, "gap")
+        assert len(found) == 1 and found[0, 2] == pytest.approx(0.8 - np.hypot(np.sin(angle), 0.3 * np.cos(angle)), abs=1e-9)
+        assert abs(found[0, 3:5]) == pytest.approx([1, 0] if upright else [0, 1], abs=1e-9)
