@@ -449,3 +449,29 @@ def test_a_wall_along_a_whole_period_has_no_end_for_an_ellipse_over_its_seam(fre
         found = rows(freefem_text(text).stdout, "gap")
         assert len(found) == 1 and found[0, 2] == pytest.approx(0.8 - np.hypot(np.sin(angle), 0.3 * np.cos(angle)), abs=1e-9)
         assert abs(found[0, 3:5]) == pytest.approx([1, 0] if upright else [0, 1], abs=1e-9)
+
+
+def test_behind_a_wall_or_a_body_the_direction_before_counts(freefem_text):
+    """Where that of the largest s is more than a right angle from it: s of the one before, its lever arms by differences; elsewhere what is measured without it."""
+    bodies, walls = [(0.0, 0.0, 0.3, 0.5, 0.5), (1.2, 0.1, 1.0, 0.4, 0.7), (0.3, 1.3, -0.5, 0.3, 0.4)], [(-1.0, -0.8, 1.5, -0.9)]
+    text = scene(bodies, walls, [1.0] * 3, [1.0] * 3, [(0, 0, 0)] * 3, more="contactUpdate(px, py, r, id, 10.);\nSIDE" + MEASURE.split("\n", 2)[2])
+    fresh = rows(freefem_text(text.replace("SIDE", "")).stdout, "gap")
+    angles = [0.2 + np.arctan2(row[4], row[3]) + (np.pi if k % 2 else 0) for k, row in enumerate(fresh)]  # every other one from the other side
+    side = "".join(f"contactEllipseSide{axis}.resize({len(fresh)}) = {[float(f(a)) for a in angles]};\n" for axis, f in (("X", np.cos), ("Y", np.sin)))
+    found = rows(freefem_text(text.replace("SIDE", side)).stdout, "gap")
+    assert len(fresh) == 6 and (fresh[1::2, 1] < 0).any() and (fresh[1::2, 1] >= 0).any()
+
+    def support(body, angle, more=0.0):
+        return body[3] * np.hypot(np.cos(angle - body[2] - more), body[4] * np.sin(angle - body[2] - more))
+    for k, (angle, row) in enumerate(zip(angles, found)):
+        if k % 2 == 0:
+            assert row == pytest.approx(fresh[k], abs=1e-12)
+            continue
+        n, one, step = np.array([np.cos(angle), np.sin(angle)]), bodies[int(row[0])], 1e-5
+        slope = [(support(b, angle, -step) - support(b, angle, step)) / (2 * step) for b in (one, bodies[int(row[1])] if row[1] >= 0 else (0, 0, 0, 0, 0))]
+        if row[1] >= 0:
+            other = bodies[int(row[1])]
+            gap = n @ np.subtract(one[:2], other[:2]) - support(one, angle) - support(other, angle)
+        else:
+            gap = min(n @ np.subtract(one[:2], end) for end in (walls[0][:2], walls[0][2:])) - support(one, angle)
+        assert row[2:] == pytest.approx([gap, *n, *slope], abs=1e-8)
