@@ -475,3 +475,11 @@ def test_behind_a_wall_or_a_body_the_direction_before_counts(freefem_text):
         else:
             gap = min(n @ np.subtract(one[:2], end) for end in (walls[0][:2], walls[0][2:])) - support(one, angle)
         assert row[2:] == pytest.approx([gap, *n, *slope], abs=1e-8)
+
+
+def test_over_a_seam_along_y_the_nearest_image_counts_too(freefem_text):
+    bodies = [(0.0, 0.3, 0.4, 0.5, 0.4), (0.2, 7.6, 1.0, 0.6, 0.5)]
+    text = scene(bodies, [], [1, 1], [1, 1], [(0, 0, 0)] * 2, 8.0, MEASURE.replace("10.", "0.5")).replace("contactPeriodic(0, -5, 8.0, 0);", "contactPeriodic(-5, 0, 0, 8.0);")
+    found = rows(freefem_text(text).stdout, "gap")
+    distance, direction = apart(edge((0.0, 8.3, *bodies[0][2:])), edge(bodies[1]))
+    assert len(found) == 1 and found[0, 2] == pytest.approx(distance, abs=1e-8) and found[0, 4] == pytest.approx(direction[1], abs=1e-4)
