@@ -346,3 +346,140 @@ def test_a_thin_ellipse_does_not_go_through_a_wall_or_a_body_in_one_step(freefem
     points = outline(u, height + v, turn + w, 1.0, 0.1, np.linspace(0, 2 * np.pi, 2001))
     floor = np.where(np.abs(points[0]) < 3, 0.3 * np.sqrt(np.maximum(0, 1 - (points[0] / 3)**2)) - 0.3, -np.inf) if held else 0
     assert (points[1] - floor).min() > -1e-7
+
+
+NEAR = [*WALLS, (-1.4, 0.42, -0.6, 0.42)]  # one under body 2
+STAY = "\nfor (int k = 0; k < contactSN; ++k) cout << \"wall \" << contactSX1[k] << \" \" << contactSY1[k] << \" \" << contactSX2[k] << \" \" << contactSY2[k] << endl;\n"
+
+
+@pytest.mark.parametrize("dt", [0.25, 0.5])
+def test_bodies_and_walls_that_move_along_together_are_projected_as_at_rest(freefem_text, dt):
+    """The velocities of all but for that one, the same impulses, and walls that are where they were."""
+    u, v = 1.7, -2.3
+    found = []
+    for fast in (0, 1):
+        speed = [(s[0] + fast * u, s[1] + fast * v, s[2]) for s in SPEED]
+        drive = "".join(f"contactWallVelocity({k}, {u}, {v});\n" for k in range(len(NEAR))) if fast else ""
+        out = freefem_text(scene(walls=NEAR, speed=speed, more=drive + PROJECT.replace("DT", str(dt)) + STAY)).stdout
+        np.testing.assert_allclose(rows(out, "wall"), NEAR, atol=1e-14)
+        found.append((rows(out, "speed") - [fast * u, fast * v, 0], {(i, j): p for i, j, p in rows(out, "press") if p > 1e-7}))
+    assert abs(found[0][0] - SPEED).max() > 0.1 and min(j for _, j in found[0][1]) < 0 < max(j for _, j in found[0][1])
+    np.testing.assert_allclose(found[1][0], found[0][0], atol=1e-6)
+    assert found[1][1] == pytest.approx(found[0][1], abs=1e-6)
+
+
+@pytest.mark.parametrize("angle, mirror", [(0.7, 1), (-2.0, -1)])
+def test_a_scene_that_is_turned_or_mirrored_is_projected_turned_or_mirrored(freefem_text, angle, mirror):
+    """With masses across other than along the axes."""
+    turn = np.array([[np.cos(angle), -mirror * np.sin(angle)], [np.sin(angle), mirror * np.cos(angle)]])
+    uneven = f"contactEllipseAside.resize(5); contactEllipseAside = {[4.0, 2.5, 0.3, 1.0, 6.0]};"
+    bodies = [(*(turn @ b[:2]), angle + mirror * b[2], *b[3:]) for b in BODIES]
+    walls = [(*(turn @ w[:2]), *(turn @ w[2:])) for w in NEAR]
+    speed = [(*(turn @ s[:2]), mirror * s[2]) for s in SPEED]
+    plain, other = (rows(freefem_text(scene(*what, more=uneven + PROJECT.replace("DT", "0.3"))).stdout, "speed") for what in ((BODIES, NEAR, MASS, MOMENT, SPEED), (bodies, walls, MASS, MOMENT, speed)))
+    assert abs(plain - SPEED).max() > 0.1
+    np.testing.assert_allclose(other, np.column_stack([plain[:, :2] @ turn.T, mirror * plain[:, 2]]), atol=1e-6)
+
+
+def test_the_axis_across_a_disk_may_be_called_the_one_along_it(freefem_text):
+    """Masses m along and s m across are s m along and m across, of a disk a quarter turn on: all s above 1, and all below."""
+    bodies = [(*b[:3], 0.5, 1.0) for b in BODIES]
+    share = np.array([4.0, 2.5, 1.0, 1.0, 6.0])
+    swapped = [(*b[:2], b[2] + np.pi / 2 * (s != 1), *b[3:]) for b, s in zip(bodies, share)]
+    found = []
+    for those, mass, aside in ((bodies, MASS, share), (swapped, list(np.array(MASS) * share), 1 / share)):
+        uneven = f"contactEllipseAside.resize(5); contactEllipseAside = {[float(s) for s in aside]};"
+        found.append(rows(freefem_text(scene(those, WALLS, mass, MOMENT, SPEED, more=uneven + PROJECT.replace("DT", "0.9"))).stdout, "speed"))
+    plain = rows(freefem_text(scene(bodies, WALLS, MASS, MOMENT, SPEED, more=PROJECT.replace("DT", "0.9"))).stdout, "speed")
+    np.testing.assert_allclose(found[1], found[0], atol=1e-7)
+    assert abs(plain - found[0]).max() > 0.05
+
+
+def test_each_impulse_is_the_change_of_momentum_that_it_makes(freefem_text):
+    """Of a move short enough for one linearisation: forces along the normals, torques by the lever arms."""
+    told = "for (int k = 0; k < contactN; ++k) cout << \"row \" << contactI[k] << \" \" << contactJ[k] << \" \" << contactImpulse[k] << \" \" << contactEx[k] << \" \" << contactEy[k] << endl;"
+    out = freefem_text(scene(walls=NEAR, speed=[(3 * a, 3 * b, 0.1 * c) for a, b, c in SPEED], more=MEASURE + "contactOverlap = 0.05;" + PROJECT.replace("DT", "0.08") + told)).stdout
+    change = rows(out, "speed") - np.array(SPEED) * [3, 3, 0.1]
+    push, table = np.zeros((5, 3)), rows(out, "row")
+    assert rows(out, "passes")[0, 0] == 1 and (table[:, 2] > 1e-3).sum() >= 2 and table[table[:, 1] < 0, 2].max() > 1e-3
+    arms = {(i, j): (arm_i, arm_j) for i, j, _, _, _, arm_i, arm_j in rows(out, "gap")}  # before the move
+    for i, j, press, ex, ey in table:
+        arm_i, arm_j = arms[i, j]
+        push[int(i)] += press * np.array([ex, ey, arm_i])
+        if j >= 0:
+            push[int(j)] += press * np.array([-ex, -ey, arm_j])
+    free = np.array(MASS) > 0
+    np.testing.assert_allclose((change * np.column_stack([MASS, MASS, MOMENT]))[free], push[free], atol=1e-8)
+
+
+def test_a_projection_does_not_depend_on_the_ones_before_it(freefem_text):
+    """A scene of fewer bodies first, in which some press; then one in which all are held."""
+    before = """
+{ real[int] px2 = [0., 0.9], py2 = [0., 0.1], turn2 = [0.3, 1.], r2 = [0.5, 0.4], a2 = [0.5, 0.7], m2 = [1., 2.], j2 = [0.2, 0.3], u2 = [1., -1.], v2 = [0., 0.2], w2 = [0.5, 0.]; int[int] id2 = [3, 4];
+  contactEllipseProject(px2, py2, turn2, r2, a2, id2, m2, j2, u2, v2, w2, 0.3); cout << "first " << contactWorstGap << " " << contactImpulse.max << endl; }
+"""
+    held = "mass = -1.;\nreal[int] u0 = u, v0 = v, w0 = w;\ncontactEllipseProject(px, py, turn, r, aspect, id, mass, moment, u, v, w, 0.5); u -= u0; v -= v0; w -= w0;\ncout << \"held \" << u.linfty + v.linfty + w.linfty << \" \" << contactHeldGap << endl;"
+    alone, after = (freefem_text(scene(more=first + PROJECT.replace("DT", "0.3") + held)).stdout for first in ("", before))
+    assert rows(after, "first")[0, 1] > 0.1
+    np.testing.assert_allclose(rows(after, "speed"), rows(alone, "speed"), atol=1e-9)
+    for out in (alone, after):
+        same, gap = rows(out, "held")[0]
+        assert same == 0 and gap < -0.1
+
+
+def test_who_has_been_projected_may_change_places(freefem_text):
+    """The directions of the move before are those of its step only: a gap measured later does not depend on them."""
+    swap = "{ real a = px[0], b = py[0]; px[0] = px[1]; py[0] = py[1]; px[1] = a; py[1] = b; }\n" + MEASURE
+    pair = ([(0.0, 0.0, 0.3, 0.5, 0.5), (1.2, 0.1, 1.0, 0.4, 0.7)], [], [1.0, 2.0], [0.2, 0.3], [(2.0, 0.0, 0.0), (-2.0, 0.0, 0.0)])
+    after, fresh = (freefem_text(scene(*pair, more=first + swap)).stdout for first in (PROJECT.replace("DT", "0.3"), ""))
+    assert rows(after, "press")[0, 2] > 0.1 and len(rows(fresh, "gap")) == 1
+    np.testing.assert_allclose(rows(after, "gap"), rows(fresh, "gap"), atol=1e-12)
+
+
+@pytest.mark.parametrize("upright", [0, 1])
+def test_a_wall_along_a_whole_period_has_no_end_for_an_ellipse_over_its_seam(freefem_text, upright):
+    """The foot of the ellipse lies beyond one end or the other: its height less the support function, whichever axis is periodic."""
+    for along, turn in ((0.05, 0.6), (7.95, 0.6), (0.05, -0.6), (7.95, -0.6), (4.0, 0.6)):
+        body, wall, angle = (along, 0.8, turn, 1.0, 0.3), (0.0, 0.0, 8.0, 0.0), turn
+        if upright:
+            body, wall = (body[1], body[0], np.pi / 2 - turn, *body[3:]), (0.0, 0.0, 0.0, 8.0)
+        text = scene([body], [wall], [1.0], [1.0], [(0, 0, 0)], 8.0, MEASURE.replace("10.", "1."))
+        if upright:
+            text = text.replace("contactPeriodic(0, -5, 8.0, 0);", "contactPeriodic(-5, 0, 0, 8.0);")
+        found = rows(freefem_text(text).stdout, "gap")
+        assert len(found) == 1 and found[0, 2] == pytest.approx(0.8 - np.hypot(np.sin(angle), 0.3 * np.cos(angle)), abs=1e-9)
+        assert abs(found[0, 3:5]) == pytest.approx([1, 0] if upright else [0, 1], abs=1e-9)
+
+
+def test_behind_a_wall_or_a_body_the_direction_before_counts(freefem_text):
+    """Where that of the largest s is more than a right angle from it: s of the one before, its lever arms by differences; elsewhere what is measured without it."""
+    bodies, walls = [(0.0, 0.0, 0.3, 0.5, 0.5), (1.2, 0.1, 1.0, 0.4, 0.7), (0.3, 1.3, -0.5, 0.3, 0.4)], [(-1.0, -0.8, 1.5, -0.9)]
+    text = scene(bodies, walls, [1.0] * 3, [1.0] * 3, [(0, 0, 0)] * 3, more="contactUpdate(px, py, r, id, 10.);\nSIDE" + MEASURE.split("\n", 2)[2])
+    fresh = rows(freefem_text(text.replace("SIDE", "")).stdout, "gap")
+    angles = [0.2 + np.arctan2(row[4], row[3]) + (np.pi if k % 2 else 0) for k, row in enumerate(fresh)]  # every other one from the other side
+    side = "".join(f"contactEllipseSide{axis}.resize({len(fresh)}) = {[float(f(a)) for a in angles]};\n" for axis, f in (("X", np.cos), ("Y", np.sin)))
+    found = rows(freefem_text(text.replace("SIDE", side)).stdout, "gap")
+    assert len(fresh) == 6 and (fresh[1::2, 1] < 0).any() and (fresh[1::2, 1] >= 0).any()
+
+    def support(body, angle, more=0.0):
+        return body[3] * np.hypot(np.cos(angle - body[2] - more), body[4] * np.sin(angle - body[2] - more))
+    for k, (angle, row) in enumerate(zip(angles, found)):
+        if k % 2 == 0:
+            assert row == pytest.approx(fresh[k], abs=1e-12)
+            continue
+        n, one, step = np.array([np.cos(angle), np.sin(angle)]), bodies[int(row[0])], 1e-5
+        slope = [(support(b, angle, -step) - support(b, angle, step)) / (2 * step) for b in (one, bodies[int(row[1])] if row[1] >= 0 else (0, 0, 0, 0, 0))]
+        if row[1] >= 0:
+            other = bodies[int(row[1])]
+            gap = n @ np.subtract(one[:2], other[:2]) - support(one, angle) - support(other, angle)
+        else:
+            gap = min(n @ np.subtract(one[:2], end) for end in (walls[0][:2], walls[0][2:])) - support(one, angle)
+        assert row[2:] == pytest.approx([gap, *n, *slope], abs=1e-8)
+
+
+def test_over_a_seam_along_y_the_nearest_image_counts_too(freefem_text):
+    bodies = [(0.0, 0.3, 0.4, 0.5, 0.4), (0.2, 7.6, 1.0, 0.6, 0.5)]
+    text = scene(bodies, [], [1, 1], [1, 1], [(0, 0, 0)] * 2, 8.0, MEASURE.replace("10.", "0.5")).replace("contactPeriodic(0, -5, 8.0, 0);", "contactPeriodic(-5, 0, 0, 8.0);")
+    found = rows(freefem_text(text).stdout, "gap")
+    distance, direction = apart(edge((0.0, 8.3, *bodies[0][2:])), edge(bodies[1]))
+    assert len(found) == 1 and found[0, 2] == pytest.approx(distance, abs=1e-8) and found[0, 4] == pytest.approx(direction[1], abs=1e-4)

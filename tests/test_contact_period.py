@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 
+from tests.test_particles import rows
 from tools.command import ROOT, BadInput
 from tools.contact_problems import Rows, Scene, constraints, project, qp_piqp, scaled
 from tools.run_folder import RunFolder
@@ -182,3 +183,82 @@ def test_a_large_disk_and_a_small_one_may_move_fast_in_a_short_period():
     np.testing.assert_allclose(answer.velocity, pair.velocity, atol=1e-12)
     with pytest.raises(BadInput, match="in a step"):
         project(pair, 1.0, 1e-11, options={"-period-x": 1.0, "-period-y": 1.0})
+
+
+SEARCH = """
+include "lib/contact.idp"
+{walls}
+contactPeriodic({low[0]}, {low[1]}, {period[0]}, {period[1]});
+int n;
+ifstream f("{file}");
+f >> n;
+real[int] px(n), py(n), r(n);
+for (int k = 0; k < n; ++k) f >> px[k] >> py[k] >> r[k];
+contactSearch(px, py, r, {reach}, {reach});
+if (contactNearN > 0) contactMeasure(px, py, r);
+cout.precision(17);
+for (int k = 0; k < contactNearPairs; ++k) cout << "pair " << contactNearI[k] << " " << contactNearJ[k] << " " << contactShiftX[k] << " " << contactShiftY[k] << " " << contactNearGap[k] << endl;
+cout << "sizes " << contactNearI.n << " " << contactNearJ.n << " " << contactNearN << " " << contactShiftX.n << " " << contactShiftY.n << " " << contactNearPairs << endl;
+"""
+
+
+def searched(freefem_text, tmp_path, disks, low, period, reach=0.0, walls=""):
+    (tmp_path / "disks.txt").write_text(f"{len(disks)}\n" + "".join(" ".join(f"{value:.17g}" for value in row) + "\n" for row in disks))
+    out = freefem_text(SEARCH.format(walls=walls, low=low, period=period, reach=reach, file=tmp_path / "disks.txt")).stdout
+    return rows(out, "pair"), rows(out, "sizes")[0].astype(int)
+
+
+@pytest.mark.parametrize("period", [(0.3, 0), (0, 0.22), (0.3, 0.22)])
+@pytest.mark.parametrize("reach", [0.0, 0.02])
+def test_each_pair_over_a_seam_is_found_once_with_its_shift(reach, period, freefem_text, tmp_path):
+    """Against all images of all pairs, of disks of many sizes that overlap, some periods apart; the largest reach nearly over half a period."""
+    rng = np.random.default_rng(7)
+    low, number = np.array([-0.04, 0.9]), 250
+    disks = np.column_stack([low + rng.uniform(-2, 3, (number, 2)) * SIDE, np.where(rng.random(number) < 0.2, 0.043, 0.043 * 10 ** -rng.uniform(0, 1.5, number))])
+    found, sizes = searched(freefem_text, tmp_path, disks, low, period, reach)
+    off = [disks[:, None, axis] - disks[:, axis] for axis in (0, 1)]
+    shift = [-length * np.round(a / length) if length else 0 * a for a, length in zip(off, period)]
+    gap = np.hypot(off[0] + shift[0], off[1] + shift[1]) - disks[:, None, 2] - disks[:, 2]
+    i, j = np.nonzero(np.triu(gap < reach, 1))
+    assert len(i) > 300 and (sizes == len(i)).all()
+    order = np.lexsort(found[:, 1::-1].T)
+    assert (found[order, :2] == np.column_stack([i, j])).all()
+    np.testing.assert_allclose(found[order, 2:], np.column_stack([shift[0][i, j], shift[1][i, j], gap[i, j]]), atol=1e-12)
+
+
+@pytest.mark.parametrize("period", [(1, 0), (0, 1), (1, 1)])
+def test_a_disk_is_no_pair_with_its_own_image(period, freefem_text, tmp_path):
+    """Alone, before a wall, and in a step longer than the period."""
+    wall = "contactWallSegment(0.2, 0.05, 0.4, 0.05);"
+    assert searched(freefem_text, tmp_path, [(0.1, 0.9, 0.51)], (0, 0), period)[1].tolist() == [0] * 6
+    assert searched(freefem_text, tmp_path, [(0.3, 0.3, 0.51)], (0, 0), period, walls=wall)[1].tolist() == [1, 1, 1, 0, 0, 0]
+    alone = Scene(np.array([[0.4, 0.3]]), np.array([0.1]), np.ones(1), np.array([[3.0, -2.0]]))
+    answer = project(alone, 0.5, 1e-11, options={word: 1.0 for word, length in zip(("-period-x", "-period-y"), period) if length})
+    np.testing.assert_allclose(answer.velocity, alone.velocity, atol=0)
+
+
+@pytest.mark.parametrize("turned", [0, 1])
+def test_the_shorter_of_two_periods_bounds_what_disks_may_be(turned):
+    """Radii of 0.2 and 0.06 fit into a period of 0.6 beside one of 2; in one of 0.4 the large one overlaps its image, in one of 0.5 they could meet over both sides."""
+    pair = Scene(np.array([[0.3, 0.3], [0.31, 0.02]])[:, ::1 - 2 * turned], np.array([0.2, 0.06]), np.ones(2), np.array([[0.1, 0.0], [0.0, 0.05]])[:, ::1 - 2 * turned])
+    for short, says in ((0.6, None), (0.5, "less than half of it"), (0.39, "overlaps its own image")):
+        options = {"-period-x": 2.0 if turned else short, "-period-y": short if turned else 2.0}
+        if says:
+            with pytest.raises(BadInput, match=says):
+                project(pair, 0.01, 1e-11, options=options)
+        else:
+            np.testing.assert_allclose(project(pair, 0.01, 1e-11, options=options).velocity, pair.velocity, atol=1e-12)
+
+
+def test_no_pair_is_listed_over_both_sides_however_wide_the_skin(freefem_text):
+    """In a row round a period of 1, which they fill to four fifths; all would be within three radii over either side."""
+    out = freefem_text("""
+include "lib/contact.idp"
+contactPeriodic(0, 0, 1, 0);
+contactSkin = 8;
+real[int] px = [0.1, 0.35, 0.6, 0.85], py = [0.1, 0.2, 0.15, 0.12], r = [0.1, 0.09, 0.1, 0.1];
+int[int] id = 0:3;
+contactUpdate(px, py, r, id, 0.02);
+for (int k = 0; k < contactNearPairs; ++k) cout << "pair " << contactNearI[k] << " " << contactNearJ[k] << endl;
+""").stdout
+    assert sorted(map(tuple, rows(out, "pair").tolist())) == [(0, 1), (0, 3), (1, 2), (2, 3)]

@@ -248,3 +248,12 @@ def test_the_least_gap_of_a_ballistic_step_is_that_of_its_places(along, freefem_
     gap, told = np.hypot(tracks[0]["x"], tracks[0]["y"]) - 0.2, read_table(tmp_path / "run" / "motion.csv")["worst_gap"]
     nearest = gap.argmin()
     assert gap[nearest] < 0.04 and (told <= gap + 1e-9).all() and told[nearest] == pytest.approx(gap[nearest], abs=1e-9)
+
+
+@pytest.mark.parametrize("bodies, walls", [("bodyDisk(0, 0.1, 0.1, 1);", "contactWallSegment(-1, 0, 1, 0);"), ("bodyDisk(0, 0.1, 0.1, 1); bodyDisk(0, 0.4, 0.1, 1);", "contactWallSegment(-1, 0, 1, 0); contactWallSegment(-1, 0, -1, 1);")])
+def test_a_checkpoint_of_other_disks_or_walls_is_refused(contacts, tmp_path, bodies, walls):
+    """A scene that has been edited since: a disk less, or a wall more."""
+    words = ("-dt", 0.01, "-checkpoint", 5)
+    contacts("bodyDisk(0, 0.1, 0.1, 1); bodyDisk(0, 0.4, 0.1, 1);", "contactWallSegment(-1, 0, 1, 0);", *words, "-tend", 0.1, gravity=-10)
+    done = contacts(bodies, walls, *words, "-tend", 0.2, "-restart", tmp_path / "run", gravity=-10, check=False)
+    assert done.returncode == 3 and "was made with other disks or walls" in done.stderr and len([line for line in done.stderr.splitlines() if line.startswith("error")]) == 1

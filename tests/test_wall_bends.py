@@ -68,3 +68,99 @@ def test_a_disk_that_touches_nothing_has_no_negative_gap(seed, freefem_text, tmp
     assert len(found) > 10000 and "bends 1" in done.stdout
     assert (gap <= true + 1e-12).all() and (gap < true - 1e-3).sum() > 100  # some gaps are those to lines
     assert gap.min() > -1e-12
+
+
+def chain(*turns, lengths=(1.0, 0.9, 0.8, 0.7)):
+    """Walls end to end from (0, 0), the first along x, which turn left by these angles (rad)."""
+    corners, angle = [np.array([0.0, 0.0])], 0.0
+    for length, turn in zip(lengths, (0.0, *turns)):
+        angle += turn
+        corners.append(corners[-1] + length * np.array([np.cos(angle), np.sin(angle)]))
+    return np.array([np.concatenate(pair) for pair in zip(corners, corners[1:])])
+
+
+# (walls, speeds of the walls, centre and radius of a disk, whether its gap is that to the line of the first wall, beyond whose end it lies; else it is that to the end)
+STILL = [(0, 0)] * 4
+BENT = [
+    (chain(0.3), STILL, (1.3, 0.5, 0.1), True),
+    (chain(0.3), STILL, (1.3, -0.5, 0.1), False),  # on the outer side of both,
+    (chain(0.3), STILL, (1.3, 0.05, 0.02), False),  # of the second
+    (chain(0.3, 0.3), STILL, (2.0, 0.35, 0.1), False),  # or of the third
+    (chain(0.3), [(0, 0), (0.1, 0)], (1.3, 0.5, 0.1), False),  # one goes another way than the other
+    (chain(0.3), [(0, 0), (0, 0.1)], (1.3, 0.5, 0.1), False),
+    (chain(0.3), [(0.2, 0.1), (0.2, 0.1)], (1.3, 0.5, 0.1), True),
+    (chain(0.49), STILL, (1.3, 0.5, 0.1), True),
+    (chain(0.51), STILL, (1.3, 0.5, 0.1), False),  # a corner
+    (chain(0.3), STILL, (1 + 0.9 * np.cos(0.3) - 1e-3, 0.5, 0.1), True),
+    (chain(0.3), STILL, (1 + 0.9 * np.cos(0.3) + 1e-3, 0.5, 0.1), False),  # farther than the bend goes on
+    (chain(0.3, 0.3), STILL, (1 + 0.9 * np.cos(0.3) + 0.8 * np.cos(0.6) - 1e-3, 0.9, 0.1), True),
+    (chain(0.3, 0.3), STILL, (1 + 0.9 * np.cos(0.3) + 0.8 * np.cos(0.6) + 1e-3, 0.9, 0.1), False),
+    (chain(0.3, -0.1), STILL, (1 + 0.9 * np.cos(0.3) + 0.1, 0.9, 0.1), False),  # it goes on the other way
+    (chain(0.3, 0.0, 0.3), STILL, (1 + 1.7 * np.cos(0.3) + 0.1, 1.2, 0.1), True),  # straight on for a while
+    (chain(0.4, 0.4, 0.4), STILL, (1 + 0.9 * np.cos(0.4) + 0.8 * np.cos(0.8) + 0.1, 1.4, 0.1), False),  # more than one radian in all
+    (chain(0.4, lengths=(0.1, 0.9)), STILL, (0.2, 0.6, 0.48), True),
+    (chain(0.4, lengths=(0.1, 0.9)), STILL, (0.2, 0.6, 0.51), False),  # too large for the bend: r tan(0.2) > 0.1
+    (chain(0.3) + [[0, 0, 0, 0], [2e-6, 0, 0, 0]], STILL, (1.3, 0.5, 0.1), False),  # a slit
+    *((np.vstack([chain(0.3)[:1], *order]), STILL, (1.3, 0.5, 0.1), False) for fork in ([[1, 0, 1.1, -0.5]], [[1.1, -0.5, 1, 0]]) for order in ((chain(0.3)[1:], fork), (fork, chain(0.3)[1:]))),  # a fork
+    (chain(0.0), STILL, (1.3, 0.5, 0.1), False),  # no bend
+]
+TURNS = """
+include "lib/contact.idp"
+int n, m;
+ifstream f("{file}");
+f >> m >> n;
+real[int] px(n), py(n), r(n);
+for (int k = 0; k < m; ++k) {{ real a, b, c, d, e, g; f >> a >> b >> c >> d >> e >> g; contactWallVelocity(contactWallSegment(a, b, c, d), e, g); }}
+for (int k = 0; k < n; ++k) f >> px[k] >> py[k] >> r[k];
+cout.precision(17);
+contactSearch(px, py, r, 0, 3.);
+contactMeasure(px, py, r);
+for (int k = contactNearPairs; k < contactNearN; ++k) cout << "gap " << contactNearI[k] << " " << -1 - contactNearJ[k] << " " << contactNearGap[k] << endl;
+"""
+AGAIN = """
+contactWallVelocity(1, 0.1, 0);
+contactMeasure(px, py, r);
+cout << "moved " << contactNearGap[0] << endl;
+contactWallVelocity(1, 0, 0);
+contactMeasure(px, py, r);
+cout << "still " << contactNearGap[0] << endl;
+contactWallsKeep(1); contactWallSegment(1, 0, 1.9, -0.3);
+contactSearch(px, py, r, 0, 3.); contactMeasure(px, py, r);
+cout << "changed " << contactNearGap[0] << endl;
+"""
+
+
+def turned_walls(freefem_text, file, scenes, more=""):
+    """Gaps of disk k and the first wall of scene k, of the scenes side by side."""
+    rows, disks, first, count = [], [], [], 0
+    for k, (walls, speeds, disk, _) in enumerate(scenes):
+        shift = np.array([0, 20.0 * k])
+        first.append(count)
+        count += len(walls)
+        rows += [(*(wall[:2] + shift), *(wall[2:] + shift), *speed) for wall, speed in zip(walls, speeds)]
+        disks.append((disk[0], disk[1] + 20.0 * k, disk[2]))
+    file.write_text(f"{len(rows)} {len(disks)}\n" + "".join(" ".join(f"{value:.17g}" for value in row) + "\n" for row in rows + disks))
+    out = freefem_text(TURNS.format(file=file) + more).stdout
+    told = [line.split() for line in out.splitlines()]
+    gaps = {(int(line[1]), int(line[2])): float(line[3]) for line in told if line[:1] == ["gap"]}
+    return np.array([gaps[k, wall] for k, wall in enumerate(first)]), {line[0]: float(line[1]) for line in told if len(line) == 2}
+
+
+@pytest.mark.parametrize("flip", [0, 1])
+@pytest.mark.parametrize("mirror", [0, 1])
+def test_where_a_wall_goes_on_round_a_bend_the_gap_is_that_to_its_line(mirror, flip, freefem_text, tmp_path):
+    """Whichever end of the wall it is, and on whichever side of it."""
+    scenes = []
+    for walls, speeds, disk, line in BENT:
+        walls = walls * ([1, -1, 1, -1] if mirror else 1)
+        scenes.append((walls[:, [2, 3, 0, 1]] if flip else walls, [(u, -v if mirror else v) for u, v in speeds], (disk[0], -disk[1] if mirror else disk[1], disk[2]), line))
+    found, _ = turned_walls(freefem_text, tmp_path / "walls.txt", scenes)
+    for scene, gap in zip(BENT, found):
+        (x, y, r), end = scene[2], scene[0][0, 2]
+        assert gap == pytest.approx((abs(y) if scene[3] else np.hypot(x - end, y)) - r, abs=1e-9), scene
+
+
+def test_bends_are_found_again_when_walls_or_their_speeds_change(freefem_text, tmp_path):
+    first, later = turned_walls(freefem_text, tmp_path / "walls.txt", BENT[:1], AGAIN)
+    end = np.hypot(0.3, 0.5) - 0.1
+    assert first[0] == pytest.approx(0.4) and [later[word] for word in ("moved", "still", "changed")] == pytest.approx([end, 0.4, end])
