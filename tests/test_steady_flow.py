@@ -339,7 +339,7 @@ def test_a_step_too_slow_for_the_law_of_the_wall_is_told(freefem, run_folder):
 
 def test_step_reattaches(freefem, run_folder):
     # The range is that of coarse meshes; tools.validate_steady judges the fine one.
-    done = freefem("cases/turbulent_step.edp", "-size", 0.25, "-out", run_folder)
+    done = freefem("cases/turbulent_step.edp", "-size", 0.25, "-inlet", 5, "-outlet", 12, "-out", run_folder)
     found = results(run_folder)
     assert found["residual"] <= 1e-6 and TOO_SLOW not in done.stdout
     assert 5 < found["reattachment_over_height"] < 7.5

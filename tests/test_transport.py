@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, make_mesh
 from tools import transport_exact as exact
 from tools import validate_transport
 from tools.command import BadInput
@@ -238,9 +238,9 @@ QUEUE = ["-tend", 0.12, "-checkpoint", 20]
 
 
 @pytest.mark.parametrize("more", [["-turbulence", "fluctuation"], ["-turbulence", "paper", "-history", 0], ["-coupling", "two-way", "-coupling-solver", "umfpack"]])
-def test_a_run_goes_on_from_a_checkpoint_bit_for_bit(freefem, coarse, tmp_path, more):
+def test_a_run_goes_on_from_a_checkpoint_bit_for_bit(freefem, tmp_path, more):
     """With particles that wait, seeded turbulence, history and contacts; the one that goes on lacks the last checkpoint and has rows too many."""
-    words = ["-mesh", coarse, *QUEUE, *more]
+    words = ["-mesh", make_mesh(tmp_path / "pipe.mesh", "pipe_obstacles", "--size", 0.025), *QUEUE, *more]
     whole, broken = tmp_path / "whole", tmp_path / "broken"
     freefem("tests/transport/queue.edp", *words, "-out", whole)
     freefem("tests/transport/queue.edp", *words[:2], "-tend", 0.1, *words[4:], "-out", broken)
