@@ -1,10 +1,16 @@
 """What the tests share: running FreeFEM scripts from the root of the project."""
+import contextlib
+import importlib
+import io
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from tools.command import guarded
 
 ROOT = Path(__file__).resolve().parent.parent
 FREEFEM = os.environ.get("FREEFEM", "FreeFem++")
@@ -32,13 +38,49 @@ def run_freefem(script, *args, check=True, timeout=300):
     return run
 
 
-@pytest.fixture(scope="module")
+def run_tool(name, *words):
+    """What python -m tools.NAME WORDS does in the root, in this process: the interpreter and its imports take a second. Returns a CompletedProcess."""
+    main = importlib.import_module(f"tools.{name}").main
+    said, errors, status = io.StringIO(), io.StringIO(), 0
+    before = os.getcwd(), sys.argv, {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
+    os.chdir(ROOT)
+    sys.argv = [name, *map(str, words)]
+    try:
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(errors):
+            guarded(main)
+    except SystemExit as end:
+        status = end.code or 0
+    finally:
+        os.chdir(before[0])
+        sys.argv = before[1]
+        for number, answer in before[2].items():
+            signal.signal(number, answer)
+    return subprocess.CompletedProcess([name, *words], status, said.getvalue(), errors.getvalue())
+
+
+def make_mesh(file, recipe, *words):
+    """The mesh that python -m tools.mesh RECIPE WORDS --out FILE makes; returns the file."""
+    done = run_tool("mesh", recipe, *words, "--out", file)
+    assert done.returncode == 0, done.stderr
+    return file
+
+
+@pytest.fixture(scope="session")
 def coarse(tmp_path_factory):
     """A coarse mesh of the pipe with obstacles (a file)."""
-    mesh = tmp_path_factory.mktemp("mesh") / "coarse.mesh"
-    command = [sys.executable, "-m", "tools.mesh", "pipe_obstacles", "--size", "0.014", "--out", str(mesh)]
-    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
-    return mesh
+    return make_mesh(tmp_path_factory.mktemp("mesh") / "coarse.mesh", "pipe_obstacles", "--size", 0.014)
+
+
+@pytest.fixture(scope="session")
+def cell(tmp_path_factory):
+    """A coarse mesh of the unit square, 20 elements along each side (a file)."""
+    return make_mesh(tmp_path_factory.mktemp("cell") / "cell.mesh", "couette_disk", "--size", 0.05)
+
+
+@pytest.fixture(scope="session")
+def shaft(tmp_path_factory):
+    """Options that let the settling disk fall in a box half as wide, on elements of the size of the default mesh."""
+    return "-mesh", make_mesh(tmp_path_factory.mktemp("shaft") / "shaft.mesh", "box", "--width", 1, "--height", 2.5, "--size", 0.0625), "-x", 0.5, "-y", 2
 
 
 @pytest.fixture

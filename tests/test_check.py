@@ -1,13 +1,12 @@
 """tools.check: values, tolerances, alignment in time, and what it says of the worst place."""
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.synthetic import ROOT, write_csv, write_run
+from tests.conftest import run_tool
+from tests.synthetic import write_csv, write_run
 from tools.check import compare, main, tolerances
 from tools.command import BadInput
 from tools.tables import read_table, write_table
@@ -231,7 +230,7 @@ def test_the_command_ends_with_0_1_3(tmp_path):
     assert main([str(a), str(a)]) == 0
     assert main([str(b), str(a), "--columns", "u:1e-3"]) == 1
     for words in ([str(a), str(tmp_path / "none.csv")], [str(a), str(a), "--rtol", "wide"], [str(a)]):
-        done = subprocess.run([sys.executable, "-m", "tools.check", *words], cwd=ROOT, capture_output=True, text=True)
+        done = run_tool("check", *words)
         assert done.returncode == 3 and done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
 
 

@@ -49,9 +49,9 @@ def test_published_scheme_starts_with_the_velocities_given(freefem, tmp_path):
     assert table["v"][table["id"] == 5][-1] == pytest.approx(-5 * 2 / 3 - 0.3, rel=0.25)
 
 
-def test_published_scheme_records_where_a_disk_is_at_the_time_of_the_row(freefem, tmp_path):
+def test_published_scheme_records_where_a_disk_is_at_the_time_of_the_row(freefem, shaft, tmp_path):
     disks = particles(tmp_path, (5, 0.5, 2, 0.25, 2, 0, -5, 0))
-    freefem("cases/settling_disk.edp", "-particles", disks, "-scheme", "published", "-dt", "0.002", "-tend", "0.003", "-out", tmp_path / "run")
+    freefem("cases/settling_disk.edp", *shaft[:-1], 1, "-particles", disks, "-scheme", "published", "-dt", "0.002", "-tend", "0.003", "-out", tmp_path / "run")
     table = RunFolder(tmp_path / "run").table("particles")
     one = table["id"] == 5
     t, y = np.append(0, table["t"][one]), np.append(2, table["y"][one])
@@ -68,10 +68,10 @@ def test_published_scheme_counts_no_contacts_of_disks_that_have_left(freefem, co
     assert len((tmp_path / "run/contacts.csv").read_text().splitlines()) == 1
 
 
-def test_published_scheme_carries_a_disk_over_the_seam(freefem, tmp_path):
+def test_published_scheme_carries_a_disk_over_the_seam(freefem, cell, tmp_path):
     disks, found = particles(tmp_path, (5, 0.92, 0.75, 0.1, 1, 0.25, 0, 0)), {}
     for scheme in ("standard", "published"):
-        freefem("cases/couette_disk.edp", "-particles", disks, "-reynolds", "0", "-scheme", scheme, "-dt", "0.02", "-tend", "0.8", "-out", tmp_path / scheme)
+        freefem("cases/couette_disk.edp", "-mesh", cell, "-particles", disks, "-reynolds", "0", "-scheme", scheme, "-dt", "0.02", "-tend", "0.8", "-out", tmp_path / scheme)
         table = RunFolder(tmp_path / scheme).table("particles")
         beyond = (table["id"] == 5) & (table["x"] > 1)
         found[scheme] = {name: table[name][beyond].mean() for name in ("u", "omega")}

@@ -1,22 +1,16 @@
 """The flow without particles: exact solutions, the convection operator, forces, energy, refusals."""
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 
-from conftest import ROOT, run_freefem
+from conftest import make_mesh, run_freefem
 from tools.tables import read_table
 
 
 def mesh(folder, case, *words):
     """A mesh made by tools.mesh for this test."""
-    file = folder / f"{case}{len(list(folder.iterdir()))}.mesh"
-    done = subprocess.run([sys.executable, "-m", "tools.mesh", case, "--out", str(file), *map(str, words)],
-                          cwd=ROOT, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return file
+    return make_mesh(folder / f"{case}{len(list(folder.iterdir()))}.mesh", case, *words)
 
 
 @pytest.fixture(scope="module")
@@ -42,13 +36,13 @@ def taylor_green(folder, file, **options):
 
 def test_third_order_of_the_velocity_in_space(meshes, tmp_path):
     coarse, fine = (mesh(meshes, "taylor_green", "--size", size) for size in (1 / 10, 1 / 20))
-    first = taylor_green(tmp_path / "a", coarse, dt=0.001, tend=0.02)
-    second = taylor_green(tmp_path / "b", fine, dt=0.001, tend=0.02)
+    first = taylor_green(tmp_path / "a", coarse, dt=0.002, tend=0.02)
+    second = taylor_green(tmp_path / "b", fine, dt=0.002, tend=0.02)
     assert np.log2(first / second)[0] > 2.8
 
 
 def test_second_order_in_time(meshes, tmp_path):
-    fine = mesh(meshes, "taylor_green", "--size", 1 / 20)
+    fine = mesh(meshes, "taylor_green", "--size", 1 / 14)
     errors = [taylor_green(tmp_path / f"r{k}", fine, dt=dt, tend=0.4) for k, dt in enumerate((0.04, 0.02))]
     velocity, pressure = np.log2(errors[0] / errors[1])
     assert velocity > 1.8 and pressure > 1.4
@@ -442,7 +436,7 @@ def test_a_stream_against_a_plate_has_the_shear_of_hiemenz(freefem_text, tmp_pat
 @pytest.mark.parametrize("case", ["cylinder_steady", "cavity"])
 def test_a_coarse_mesh_first_leads_to_the_same_flow(case, meshes, tmp_path):
     """As the residual says in both, with half the factorisations on the mesh itself or fewer."""
-    small = mesh(meshes, case, "--size", 0.1 if case == "cylinder_steady" else 1 / 24)
+    small = mesh(meshes, case, "--circle-points", 24, "--size", 0.1) if case == "cylinder_steady" else mesh(meshes, case, "--size", 1 / 24)
     for ratio in (0, 4):
         run_freefem(f"cases/{case}.edp", "-mesh", small, "-coarse", ratio, "-out", tmp_path / f"r{ratio}")
     names = ["drag_coefficient", "pressure_difference"] if case == "cylinder_steady" else ["u_least", "v_most", "v_least"]
@@ -452,7 +446,7 @@ def test_a_coarse_mesh_first_leads_to_the_same_flow(case, meshes, tmp_path):
 
 
 def test_expansion_is_stable_below_the_critical_reynolds_number(meshes, tmp_path):
-    coarse = mesh(meshes, "sudden_expansion", "--size", 1 / 6, "--outlet-length", 20, "--stretch", 1.1)
+    coarse = mesh(meshes, "sudden_expansion", "--size", 1 / 4, "--outlet-length", 12, "--stretch", 1.1)
     for reynolds in (30, 55):
         run_freefem("cases/sudden_expansion.edp", "-mesh", coarse, "-reynolds", reynolds, "-search", 0, "-out", tmp_path / f"r{reynolds}")
     assert value(tmp_path / "r30", "growth") < 0 < value(tmp_path / "r55", "growth")
@@ -471,7 +465,7 @@ def test_an_expansion_that_is_not_found_tells_no_growth_and_no_asymmetry(meshes,
 
 def test_the_critical_reynolds_number_does_not_hang_on_the_start(meshes, tmp_path):
     """6 secants from 60 ended at 46.3; and at 80 another disturbance than the one that grows was found."""
-    coarse = mesh(meshes, "sudden_expansion", "--size", 1 / 4, "--outlet-length", 20, "--stretch", 1.1)
+    coarse = mesh(meshes, "sudden_expansion", "--size", 1 / 4, "--outlet-length", 12, "--stretch", 1.1)
     for reynolds in (40, 80):
         run_freefem("cases/sudden_expansion.edp", "-mesh", coarse, "-reynolds", reynolds, "-out", tmp_path / f"r{reynolds}")
     assert value(tmp_path / "r80", "critical_reynolds") == pytest.approx(value(tmp_path / "r40", "critical_reynolds"), rel=1e-4)
@@ -542,9 +536,9 @@ def test_a_viscous_channel_follows_its_inflow_in_a_few_steps(run_folder):
     assert "the outflow differs from the inflow by" not in run.stdout
 
 
-def test_a_viscous_flow_through_a_diaphragm_follows_its_inflow(run_folder):
+def test_a_viscous_flow_through_a_diaphragm_follows_its_inflow(coarse, run_folder):
     """The throat is a fifth of the pipe, whose width the drag of the walls is taken from; the inflow is still growing."""
-    run_freefem("cases/pipe_jet.edp", "-reynolds", 0.01, "-tend", 0.06, "-out", run_folder)
+    run_freefem("cases/pipe_jet.edp", "-mesh", coarse, "-reynolds", 0.01, "-tend", 0.06, "-out", run_folder)
     fluid = read_table(run_folder / "fluid.csv")
     assert fluid["flux_out"][-1] == pytest.approx(fluid["flux_in"][-1], rel=0.1)
 
@@ -555,7 +549,7 @@ include "lib/options.idp"
 optCase("across", "a pressure across a long viscous channel");
 int[int] sides = [3, 2, 3, 1];
 savemesh(square(12, 40, [20*x, y], label = sides), "FILE");
-optDefault("-mesh", "FILE"); optDefault("-dt", "0.02"); optDefault("-tend", "2.4"); optDefault("-every", "2.4"); optDefault("-tolerance", "1e-8");
+optDefault("-mesh", "FILE"); optDefault("-dt", "0.02"); optDefault("-tend", "1.2"); optDefault("-every", "1.2"); optDefault("-tolerance", "1e-8");
 real rhoFluid = 1, mu = 1e6, flowPeriodX = 0, flowPeriodY = 0, last = 0;
 include "lib/labels.idp"
 int[int] flowNoSlip = [labelWall], flowMoving = [labelInlet], flowOutlet = [labelOutlet], flowSlip(0);
@@ -570,7 +564,7 @@ def test_a_pressure_across_a_long_viscous_channel_dies_away(freefem_text, tmp_pa
     """With 1.25 times the drag of its walls it changed its sign in each step and grew without end."""
     text = freefem_text(ACROSS.replace("FILE", f"{tmp_path}/long.mesh"), "-out", run_folder).stdout
     changes = [float(line.split()[1]) for line in text.splitlines() if line.startswith("CHANGE")]
-    assert len(changes) == 120 and max(changes[:3]) > 0.01 and max(changes[-5:]) < 1e-5
+    assert len(changes) == 60 and max(changes[:3]) > 0.01 and max(changes[-5:]) < 1e-5
 
 
 # A channel whose flow turns round: half of the time the outlet is where it comes in. The inflow keeps its parabola.
@@ -596,8 +590,8 @@ def test_what_flows_back_through_an_outlet_flows_out_of_the_inlet(freefem_text, 
     assert fluid["flux_out"].min() < -0.65 and off.max() < 0.05 * 2 / 3
 
 
-def test_as_much_leaves_the_jet_as_enters_while_eddies_cross_its_outlet(coarse, run_folder):
-    run_freefem("cases/pipe_jet.edp", "-mesh", coarse, "-tend", 0.8, "-out", run_folder)
+def test_as_much_leaves_the_jet_as_enters_while_eddies_cross_its_outlet(meshes, run_folder):
+    run_freefem("cases/pipe_jet.edp", "-mesh", mesh(meshes, "pipe_obstacles", "--size", 0.02), "-tend", 0.8, "-out", run_folder)
     fluid = read_table(run_folder / "fluid.csv")
     late = fluid["t"] > 0.5  # with a pressure of 0 at the outlet 0.06
     assert (abs(fluid["flux_out"] / fluid["flux_in"] - 1)[late]).max() < 0.01

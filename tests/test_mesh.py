@@ -1,7 +1,5 @@
 """Meshes: every recipe, the default files, what FreeFEM makes of them, and refusals."""
 import re
-import subprocess
-import sys
 
 import meshio
 import numpy as np
@@ -9,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from conftest import ROOT
+from conftest import ROOT, run_tool
 from tools.command import BadInput
 from tools.mesh import make, parser
 from tools.meshing import CASES
@@ -27,8 +25,7 @@ def built(*words):
 
 
 def command(*words):
-    run = [sys.executable, "-m", "tools.mesh", *map(str, words)]
-    return subprocess.run(run, cwd=ROOT, capture_output=True, text=True, timeout=120)
+    return run_tool("mesh", *words)
 
 
 def read(file):
@@ -309,7 +306,7 @@ def test_faults_are_found(fault, words):
 
 
 def test_default_meshes_command_knows_its_names():
-    run = subprocess.run([sys.executable, "-m", "tools.default_meshes", "nonsense"], cwd=ROOT, capture_output=True, text=True)
+    run = run_tool("default_meshes", "nonsense")
     assert run.returncode == 3 and "no default mesh is named" in run.stderr
 
 

@@ -1,12 +1,14 @@
 """Domains of one's own: gmsh scripts and meshes with named sides, and what is refused of them."""
 import re
+import subprocess
+import sys
 import time
 
 import numpy as np
 import pytest
 
 from conftest import ROOT
-from test_mesh import command, read
+from test_mesh import read
 from tools.meshing import unstructured
 from tools.meshing.checks import faults
 from tools.meshing.plane_mesh import edges_of, signed_areas
@@ -26,6 +28,11 @@ Physical Surface("fluid") = {1, 2};
 Physical Curve(2) = {8}; Physical Curve("wall") = {1, 3, 7, 9}; Physical Curve("inlet") = {4}; Physical Curve("cylinder") = {5, 6, 10, 11};
 Physical Curve("lid") = {2}; // within the domain: no side of it
 """
+
+
+def command(*words):
+    """python -m tools.mesh in a process of its own: gmsh keeps what a script has set."""
+    return subprocess.run([sys.executable, "-m", "tools.mesh", *map(str, words)], cwd=ROOT, capture_output=True, text=True, timeout=120)
 
 
 def made(folder, text, *words, name="my.geo"):

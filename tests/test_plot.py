@@ -7,6 +7,7 @@ import sys
 import numpy as np
 import pytest
 
+from tests.conftest import run_tool
 from tests.synthetic import ROOT, write_csv, write_run
 from tools import film, plot, plot_contacts, plot_transport
 from tools.command import BadInput
@@ -234,7 +235,7 @@ def test_a_damaged_run_ends_with_one_line(folder, tmp_path, break_it, words):
     copy = tmp_path / "run"
     shutil.copytree(folder, copy)
     break_it(copy)
-    done = subprocess.run([sys.executable, "-m", "tools.plot", str(copy), "--no-film"], cwd=ROOT, capture_output=True, text=True)
+    done = run_tool("plot", copy, "--no-film")
     assert done.returncode == 3, done.stdout + done.stderr
     assert done.stderr.count("\n") == 1 and words in done.stderr
 
@@ -286,7 +287,7 @@ def test_damaged_runs_of_contacts_are_named(tmp_path, name, old, new, words):
 
 @pytest.mark.parametrize("words", [["nothing"], [], ["tools"], ["tools", "--frames", "1"], ["tools", "--only", "all"]])
 def test_bad_input_is_one_line_and_status_3(words):
-    done = subprocess.run([sys.executable, "-m", "tools.plot", *words], cwd=ROOT, capture_output=True, text=True)
+    done = run_tool("plot", *words)
     assert done.returncode == 3 and done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
 
 
@@ -481,7 +482,7 @@ def test_a_run_of_contacts_alone_is_left_to_its_own_pictures(freefem, tmp_path):
     assert freefem("cases/falling_particles.edp", "-tend", "0.1", "-out", tmp_path / "run").returncode == 0
     with pytest.raises(BadInput, match="plot_contacts"):
         plot.main([str(tmp_path / "run")])
-    done = subprocess.run([sys.executable, "-m", "tools.plot_contacts", str(tmp_path / "run"), "--only", "energy"], cwd=ROOT, capture_output=True, text=True)
+    done = run_tool("plot_contacts", tmp_path / "run", "--only", "energy")
     assert done.returncode == 0 and done.stderr == "", "a finished run is no reason to warn"
 
 

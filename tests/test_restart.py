@@ -10,7 +10,7 @@ import time
 import numpy as np
 import pytest
 
-from conftest import FREEFEM, ROOT, run_freefem
+from conftest import FREEFEM, ROOT, make_mesh, run_freefem
 from tests.test_boundaries import case
 from tests.test_given_motion import HELD
 
@@ -57,9 +57,9 @@ def start(folder, mesh, words=WHOLE):
     return run
 
 
-def test_checkpoints_and_the_end_of_a_run_bear_on_its_last_digits_only(freefem, tmp_path):
+def test_checkpoints_and_the_end_of_a_run_bear_on_its_last_digits_only(freefem, cell, tmp_path):
     """Touching disks in a viscous shear flow: often saved, ended and gone on with, or neither, far below what a step changes."""
-    words = ["cases/sheared_suspension.edp", "-tolerance", "1e-11", "-every", "0"]
+    words = ["cases/sheared_suspension.edp", "-mesh", cell, "-tolerance", "1e-11", "-every", "0"]
     freefem(*words, "-tend", "0.8", "-out", tmp_path / "plain")
     freefem(*words, "-tend", "0.8", "-checkpoint", "7", "-out", tmp_path / "saved")
     freefem(*words, "-tend", "0.4", "-checkpoint", "1000", "-out", tmp_path / "half")
@@ -201,17 +201,19 @@ def test_disks_leave_and_feel_forces_after_a_restart(mesh, tmp_path):
     assert [numbers(whole, "fluid.csv")["particles"][k] for k in (20, -1)] == [3, 2]  # one leaves after the restart
 
 
-def test_budgets_and_shapes_outlive_a_restart(tmp_path):
-    words = ["cases/ellipse_in_shear.edp", "-tend", "0.1", "-dt", "0.01", "-checkpoint", "5"]
+def test_budgets_and_shapes_outlive_a_restart(shaft, tmp_path):
+    mesh = make_mesh(tmp_path / "shear.mesh", "ellipse_in_shear", "--size", 0.00625, "--core", 0.13)
+    words = ["cases/ellipse_in_shear.edp", "-mesh", mesh, "-major", "0.05", "-tend", "0.1", "-dt", "0.01", "-checkpoint", "5"]
     whole, broken = broken_off(words, tmp_path / "ellipse", 5)
-    words = ["cases/settling_disk.edp", "-mesh", "meshes/settling_disk.mesh", "-dt", "0.002", "-tend", "0.02", "-budget", "1", "-checkpoint", "5"]
+    words = ["cases/settling_disk.edp", *shaft, "-dt", "0.002", "-tend", "0.02", "-budget", "1", "-checkpoint", "5"]
     box = broken_off(words, tmp_path / "box", 5)
     for name, (a, b) in (("shapes.csv", (whole, broken)), ("particles.csv", (whole, broken)), ("budget.csv", box)):
         assert (a / name).read_bytes() == (b / name).read_bytes(), name
 
 
 def test_ellipses_that_touch_go_on_after_a_restart_bit_for_bit(tmp_path):
-    words = ["cases/settling_ellipses.edp", "-number", "16", "-tend", "0.3", "-checkpoint", "60"]
+    mesh = make_mesh(tmp_path / "low.mesh", "box", "--width", 2, "--height", 3.5, "--size", 0.0625)
+    words = ["cases/settling_ellipses.edp", "-mesh", mesh, "-number", "16", "-tend", "0.3", "-checkpoint", "60"]
     whole, broken = broken_off(words, tmp_path, 120)
     assert numbers(whole, "contacts.csv")["t"].min() < 0.24 and numbers(whole, "contacts.csv")["t"].max() > 0.25
     for name in ("particles.csv", "contacts.csv"):
@@ -261,7 +263,8 @@ def test_checkpoints_of_another_version_are_refused(mesh, unbroken, tmp_path):
 
 def test_a_case_that_was_edited_goes_on_with_a_warning(tmp_path):
     text = (ROOT / "cases/template.edp").read_text()
-    case, words = tmp_path / "mine.edp", ["-dt", "0.01", "-checkpoint", "1", "-mesh", "meshes/settling_disk.mesh"]
+    mesh = make_mesh(tmp_path / "box.mesh", "box", "--width", 2, "--height", 6, "--size", 0.1)
+    case, words = tmp_path / "mine.edp", ["-dt", "0.01", "-checkpoint", "1", "-mesh", mesh]
     case.write_text(text)
     run_freefem(case, *words, "-tend", "0.01", "-out", tmp_path / "run")
     same = run_freefem(case, *words, "-tend", "0.02", "-restart", tmp_path / "run")
@@ -274,9 +277,9 @@ def test_a_case_that_was_edited_goes_on_with_a_warning(tmp_path):
 
 def test_a_checkpoint_of_another_mesh_replaces_nothing(freefem, coarse, tmp_path):
     """Neither the run in -out nor the rows behind the checkpoint are gone when it is refused."""
-    words = ["cases/pipe_obstacles.edp", "-number", 0, "-checkpoint", 2, "-tend"]
+    words = ["cases/pipe_obstacles.edp", "-number", 0, "-cfl", 0, "-dt", 0.002, "-checkpoint", 1, "-tend"]
     for name in ("one", "two"):
-        freefem(*words, 0.02, "-mesh", coarse, "-out", tmp_path / name)
+        freefem(*words, 0.006, "-mesh", coarse, "-out", tmp_path / name)
     kept = {name: (tmp_path / name / "fluid.csv").read_bytes() for name in ("one", "two")}
     newest = sorted((tmp_path / "one").glob("restart_*.sha"))[-1].stem
     for file in (tmp_path / "one").glob(f"{newest}.*"):

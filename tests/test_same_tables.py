@@ -4,7 +4,6 @@ import pytest
 
 from tests.conftest import run_freefem
 from tests.test_same_scene import SCENE, channel, turned, write_moved  # noqa: F401
-from tools.mesh_files import read_mesh
 from tools.run_folder import RunFolder
 
 # what the case calls, centre, semi-axes, angle, density over the fluid's, due at

@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from conftest import FREEFEM
+from conftest import FREEFEM, run_tool
 from tests.synthetic import ROOT, write_run
 from tools import convergence, quantities, study, study_figure, study_report
 from tools.command import BadInput
@@ -387,7 +387,7 @@ def test_pareto_points_are_those_that_nothing_beats(points):
 def test_bad_input_is_one_line_and_status_3(case, tmp_path, words):
     words = [str(case) if word == "CASE" else word for word in words]
     words[1:1] = ["--out", str(tmp_path / "out")] if len(words) > 1 else []
-    done = subprocess.run([sys.executable, "-m", "tools.study", *words], cwd=ROOT, capture_output=True, text=True)
+    done = run_tool("study", *words)
     assert done.returncode == 3, done.stderr
     assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
 

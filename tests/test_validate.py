@@ -1,13 +1,12 @@
 """tools.validate: the registry, the judging of a row, the report, and failures as rows."""
 import csv
 import math
-import subprocess
-import sys
 import types
 
 import numpy as np
 import pytest
 
+from tests.conftest import make_mesh, run_tool
 from tests.synthetic import ROOT, write_csv
 from tools import transport_exact, transport_two_way, validate, validate_steady, validate_transport, validation
 from tools.command import BadInput
@@ -125,7 +124,7 @@ def test_the_command(tmp_path, capsys):
     assert validate.main(["--out", str(tmp_path), "good"], {"first": [good, bad]}) == 0
     assert validate.main(["--out", str(tmp_path), "--case", "bad"], {"first": [good, bad]}) == 1
     assert "FAIL" in capsys.readouterr().out
-    done = subprocess.run([sys.executable, "-m", "tools.validate", "nothing"], cwd=ROOT, capture_output=True, text=True)
+    done = run_tool("validate", "nothing")
     assert done.returncode == 3 and done.stderr.count("\n") == 1 and "settling_disk" in done.stderr
 
 
@@ -208,9 +207,8 @@ def test_swings_are_measured_over_whole_periods():
 
 def test_the_body_fitted_cylinder_on_springs_goes_on_where_it_was_saved(freefem, tmp_path):
     """Its path in one run and in two, a step of first order apart."""
-    script, mesh = ROOT / "tools" / "body_fitted" / "sprung_cylinder.edp", tmp_path / "coarse.mesh"
-    subprocess.run([sys.executable, "-m", "tools.mesh", "cylinder_channel", *"--length 20 --height 12 --radius 0.5 --centre 6 6 --size 1.5 --growth 0.5 --circle-points 16".split(),
-                    "--out", mesh], cwd=ROOT, check=True)
+    script = ROOT / "tools" / "body_fitted" / "sprung_cylinder.edp"
+    mesh = make_mesh(tmp_path / "coarse.mesh", "cylinder_channel", *"--length 20 --height 12 --radius 0.5 --centre 6 6 --size 1.5 --growth 0.5 --circle-points 16".split())
     freefem(script, "-mesh", mesh, "-tend", 2.4, "-out", tmp_path / "whole.csv")
     freefem(script, "-mesh", mesh, "-tend", 1.2, "-save", tmp_path / "state")
     freefem(script, "-mesh", mesh, "-tend", 2.4, "-start", tmp_path / "state", "-out", tmp_path / "rest.csv")
