@@ -232,6 +232,19 @@ def test_a_disk_that_hits_a_row_of_two_in_contact_moves_both_at_once(freefem_tex
     assert np.ptp(u[hit - 1]) > 0.5 and np.ptp(u[hit]) < 0.02 and np.ptp(u[hit + 1]) < 0.02
 
 
+def test_a_restart_between_an_impact_and_the_move_that_closes_the_gap(freefem_text, tmp_path):
+    text = case("bodyDisk(0.5, 0.1200001, 0.12, 2); bodyAdd(0.5003, 0.42, 0.12, 2, 0, -1.5, 0, 1);", mu=0.002, gravity=-20)
+    options = ["-dt", 0.002, "-cfl", 0, "-every", 1e-9]
+    freefem_text(text, *options, "-tend", 0.08, "-out", tmp_path / "whole")
+    contacts = RunFolder(tmp_path / "whole").table("contacts")
+    hit = round(contacts["t"][contacts["j"] >= 0][0] / 0.002)
+    freefem_text(text, *options, "-tend", 0.002 * (hit + 3), "-checkpoint", hit, "-out", tmp_path / "part")
+    max((tmp_path / "part").glob("restart_*.sha")).unlink()  # as if killed before its end
+    freefem_text(text, *options, "-tend", 0.08, "-restart", tmp_path / "part", "-out", tmp_path / "rest")
+    whole, rest = ((tmp_path / name / "particles.csv").read_text().splitlines() for name in ("whole", "rest"))
+    assert len(rest) == 1 + 2 * (40 - hit) and rest[1:] == whole[1 + 2 * hit:]
+
+
 def test_an_impact_of_two_bodies_is_no_impulse_of_the_walls(freefem_text, tmp_path):
     """In a closed box, in the step of the impact: what the contact gave to either body was in the sum of the walls' impulses where the fluid's share had changed it."""
     text = case("bodyAdd(0.3, 0.5, 0.1, 2, 2, 0, 0, 1); bodyDisk(0.55, 0.52, 0.1, 1.5);", mu=0.005, gravity=0)
