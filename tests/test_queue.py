@@ -89,7 +89,7 @@ def motions(freefem_text, queue, u, v, *words, seam=0, **sides):
 
 
 def test_who_enters_has_the_mean_motion_of_the_fluid_whose_place_it_takes(freefem_text, tmp_path):
-    """In a linear flow: the velocity at its centre, and the moment of momentum of that fluid over its moment of inertia."""
+    """In a linear flow: the velocity at its centre, and the angular momentum of that fluid over its moment of inertia."""
     shapes = [(0.4, 0.6, 0.2, 0.2, 0), (0.5, 0.45, 0.25, 0.1, 0.6), (0.6, 0.5, 0.2, 0.15, -1.1)]
     queue = "{ " + " ".join(f"queueEllipseAt({x}, {y}, {a}, {b}, {turn}, 1, 9);" for x, y, a, b, turn in shapes) + " }"
     found = motions(freefem_text, queue, "0.3 + 0.7*x - 2*y", "-0.2 + 0.5*x - 0.7*y", "-out", tmp_path / "run")

@@ -84,10 +84,9 @@ def test_a_page_names_what_is_there(page):
         assert "://" in link or (ROOT / path).exists() and (not heading or "#" + heading in headings), link
     for module in re.findall(r"python -m (tools(?:\.\w+)+)", text):
         assert (ROOT / (module.replace(".", "/") + ".py")).is_file() or (ROOT / module.replace(".", "/")).is_dir() or module.endswith(".NAME"), module
-    if page != "CHANGELOG.md":  # which tells of files that are gone
-        there = [str(path.relative_to(ROOT)) for folder in ("cases", "lib", "scripts", "tests", "tools") for path in (ROOT / folder).rglob("*")]
-        for name in re.findall(r"`([\w/]+\.(?:idp|edp|py))`", text):
-            assert any(path == name or path.endswith("/" + name) for path in there) or name == "cases/my_case.edp", name
+    there = [str(path.relative_to(ROOT)) for folder in ("cases", "lib", "scripts", "tests", "tools") for path in (ROOT / folder).rglob("*")]
+    for name in re.findall(r"`([\w/]+\.(?:idp|edp|py))`", text):
+        assert any(path == name or path.endswith("/" + name) for path in there) or name == "cases/my_case.edp", name
 
 
 def test_the_lint_finds_what_it_looks_for():

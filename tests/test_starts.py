@@ -255,7 +255,7 @@ def spin_down(ratio, nu, omega, radius, end, cells=500, steps=4000):
 @pytest.mark.parametrize("ratio, dt, far, turned", [(0.1, 0.005, 0.003, 0.002), (0.3, 0.005, 0.005, 0.0012), (1, 0.01, 0.002, 0.0012), (5, 0.01, 0.0005, 0.0004)])
 def test_a_turning_disk_comes_to_rest(ratio, dt, far, turned, freefem, freefem_text, tmp_path):
     """Turned in a drum of radius 1, 22 elements across: rates from 0.05 s on, of the first one, and the angle. No pressure acts on it, so nothing may swing. At any place:
-    before the moment of momentum at the start was that of the disk, rates were 0.001 to 0.022 off, by place, and the angle of the lightest by 0.01."""
+    before the angular momentum at the start was that of the disk, rates were 0.001 to 0.022 off, by place, and the angle of the lightest by 0.01."""
     drum = tmp_path / "drum.edp"
     drum.write_text(f'border side(t = 0, 2*pi) {{ x = cos(t); y = sin(t); label = 3; }}\nmesh Th = buildmesh(side(231));\nsavemesh(Th, "{tmp_path}/drum.mesh");\n')
     freefem(drum)
