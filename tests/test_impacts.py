@@ -85,6 +85,11 @@ def test_nothing_overlaps_in_the_first_move(bodies, freefem_text, tmp_path):
     assert np.abs(rows["u"]).max() < 10
 
 
+def round_container(mesh):
+    """FreeFEM text that makes the mesh of a circle of radius 1."""
+    return f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(200)), "{mesh}");\n'
+
+
 PUSH = """macro caseStep() {
     real[int] jump = [JUMP, 0.], held(3), e(flowNq), got(3);
     matrix noGaps;
@@ -101,7 +106,7 @@ PUSH = """macro caseStep() {
     ((0.003, -0.79), (0, 1), np.pi**2 / 3 - 1, 0.15)])  # near its wall, nearly plane there: two cylinders that touch (the gap is of an element)
 def test_the_flow_of_an_impact_has_the_added_mass_of_an_ideal_fluid(place, jump, exact, within, freefem_text, tmp_path):
     mesh = tmp_path / "round.mesh"
-    text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(200)), "{mesh}");\n'
+    text = round_container(mesh)
     text += case(f"bodyDisk({place[0]}, {place[1]}, 0.2, 2);", walls="labelWall", more=PUSH.replace("JUMP", f"{jump[0]}., {jump[1]}."))
     text = standard_alone(text)
     done = freefem_text(text, "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
@@ -131,7 +136,7 @@ FIT = """macro caseStep() {
 def test_the_flow_of_an_impact_is_corrected_until_it_satisfies_the_continuity_equation(freefem_text, tmp_path):
     """Energy of the missing divergence by another solver, over that of the flow; the added mass stays that of an ideal fluid."""
     mesh = tmp_path / "round.mesh"
-    text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(200)), "{mesh}");\n'
+    text = round_container(mesh)
     text += case("bodyDisk(0.003, -0.79, 0.2, 2);", walls="labelWall", more=FIT)
     done = freefem_text(standard_alone(text), "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
     (before, _), (after, added) = rows(done.stdout, "missing")
@@ -144,7 +149,7 @@ def test_the_flow_of_an_impact_is_corrected_until_it_satisfies_the_continuity_eq
 def test_two_that_touch_and_part_push_the_fluid_as_two_cylinders_do(angle, place, freefem_text, tmp_path):
     """In elements of both hardly any fluid was left to flow in between them: four to six times the added mass, and impulses of impacts three times too large."""
     mesh, along = tmp_path / "round.mesh", 0.20025 * np.array([np.cos(angle), np.sin(angle)])
-    text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(200)), "{mesh}");\n'
+    text = round_container(mesh)
     (xa, ya), (xb, yb) = place - along, place + along
     push = PUSH.replace("[JUMP, 0.], held(3), e(flowNq), got(3)", f"[{-along[0]}, {along[0]}, {-along[1]}, {along[1]}, 0., 0.], held(6), e(flowNq), got(6)")
     text += case(f"bodyDisk({xa}, {ya}, 0.2, 2); bodyDisk({xb}, {yb}, 0.2, 2);", walls="labelWall", more=push.replace("got[0] << \" \" << got[1]", "got[1] - got[0] << \" \" << got[3] - got[2]"))

@@ -4,8 +4,9 @@ Problems: 2d1 and 2d2 (cylinder in a channel; error of the drag, and the largest
 lift range and Strouhal number), cavity (Reynolds number 1000; largest error of the extrema on the
 centrelines). A small error on one mesh may be luck: of 2d1 each program but the published one, and of
 2d2 this suite (the other programs take too long), runs five meshes, elements 0.92 to 1.08 times as
-large; the error is the root of the mean square, unknowns and time the mean. cpu_s is that of the whole process, user and system; own_s leaves out the imports of
-the Python packages (for FreeFEM: the same). A program that is not there or fails raises BadInput.
+large; the error is the root of the mean square, unknowns and time the mean. cpu_s is that of the
+whole process, user and system; own_s leaves out the imports of the Python packages (for FreeFEM: the
+same). A program that is not there or fails raises BadInput.
 """
 import math
 import sys
