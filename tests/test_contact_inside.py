@@ -2,6 +2,8 @@
 import numpy as np
 import pytest
 
+from tests.test_wall_bends import write_walls
+
 SCRIPT = """
 include "lib/contact.idp"
 include "lib/contact_check.idp"
@@ -94,7 +96,7 @@ def test_the_walls_round_a_place_are_counted_as_polygons_that_hold_it(seed, axes
     rng = np.random.default_rng(seed)
     low, walls, x, depth = scene(rng, axes)
     far = x + rng.integers(-3, 4, x.shape) * [axis in axes for axis in (0, 1)]
-    (tmp_path / "walls.csv").write_text("x1,y1,x2,y2\n" + "".join(",".join(f"{value:.17g}" for value in row) + "\n" for row in walls))
+    write_walls(tmp_path / "walls.csv", walls)
     (tmp_path / "places.txt").write_text(f"{len(far)}\n" + "".join(f"{a:.17g} {b:.17g}\n" for a, b in far))
     freefem_text(SCRIPT.format(folder=tmp_path, low=low, period=[int(axis in axes) for axis in (0, 1)]))
     found = np.loadtxt(tmp_path / "depth.txt")

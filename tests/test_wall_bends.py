@@ -86,6 +86,10 @@ def wavy(rng, seed):
     return ends[rng.permutation(len(ends))]
 
 
+def write_walls(file, ends):
+    file.write_text("x1,y1,x2,y2\n" + "".join(",".join(f"{value:.17g}" for value in row) + "\n" for row in ends))
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_a_disk_that_touches_nothing_has_no_negative_gap(seed, freefem_text, tmp_path):
     """On either side of a wavy closed line with bumps narrower than the disks, and of an open one: gaps are never above the distance to the segment, and below 0 only for who overlaps a wall."""
@@ -94,7 +98,7 @@ def test_a_disk_that_touches_nothing_has_no_negative_gap(seed, freefem_text, tmp
     px, py = rng.uniform(-1.6, 1.6, (2, 1500))
     near = distances_to_segments(px, py, ends[:, :2], ends[:, 2:]).min(1)
     r = np.minimum(near, 10 ** rng.uniform(-2, -0.2, 1500)) * (1 - 1e-9)  # many touch, none overlaps
-    (tmp_path / "walls.csv").write_text("x1,y1,x2,y2\n" + "".join(",".join(f"{value:.17g}" for value in row) + "\n" for row in ends))
+    write_walls(tmp_path / "walls.csv", ends)
     (tmp_path / "disks.txt").write_text(f"{len(px)}\n" + "".join(f"{a:.17g} {b:.17g} {c:.17g}\n" for a, b, c in zip(px, py, r)))
     done = freefem_text(GAPS.format(walls=tmp_path / "walls.csv", disks=tmp_path / "disks.txt", gaps=tmp_path / "gaps.txt"))
     found = np.loadtxt(tmp_path / "gaps.txt")
@@ -138,7 +142,7 @@ def test_an_ellipse_that_touches_nothing_has_no_negative_gap(seed, freefem_text,
         if k < some:
             ox, oy = size[k] * np.cos(angles), size[k] * aspect[k] * np.sin(angles)
             distance.append(distances_to_segments(px[k] + c * ox - s * oy, py[k] + s * ox + c * oy, ends[:, :2], ends[:, 2:]).min(0))
-    (tmp_path / "walls.csv").write_text("x1,y1,x2,y2\n" + "".join(",".join(f"{value:.17g}" for value in row) + "\n" for row in ends))
+    write_walls(tmp_path / "walls.csv", ends)
     (tmp_path / "bodies.txt").write_text(f"{n}\n" + "".join(" ".join(f"{value:.17g}" for value in row) + "\n" for row in zip(px, py, turn, size, aspect)))
     freefem_text(ELLIPSE_GAPS.format(walls=tmp_path / "walls.csv", bodies=tmp_path / "bodies.txt", gaps=tmp_path / "gaps.txt"))
     found = np.loadtxt(tmp_path / "gaps.txt")
