@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from conftest import make_mesh, run_freefem
+from tests.test_particles import rows
 from tools.tables import read_table
 
 # A channel with walls below, a plane of symmetry above, an inlet and an outlet; three states with steps of 0.1 s, and a velocity FAST
@@ -14,7 +15,6 @@ include "lib/labels.idp"
 optCase("states", "three velocities");
 optEnd();
 mesh Th = square(8, 8, [x + 0.3*x*y, y]);
-MESH
 int[int] flowNoSlip = [1], flowMoving = [4], flowOutlet = [2], flowSlip = [3];
 real flowPeriodX = 0, flowPeriodY = 0, rhoFluid = 1, mu = 1;
 macro boundaryU() 1. // EOM
@@ -36,10 +36,6 @@ for (int k = 0; k < flowNw; ++k) cout << "NODE " << flowX[k] << " " << flowY[k] 
 for (int T = 0; T < Th.nt; ++T) { cout << "ELEMENT " << Th[T].area; for (int i = 0; i < 6; ++i) cout << " " << Wh(T, i); cout << endl; }
 for (int k = 0; k < 2*flowNw; ++k) cout << "VALUES " << a[k] << " " << b[k] << " " << c[k] << " " << now[k] << " " << last[k] << endl;
 """
-
-
-def rows(text, name):
-    return np.array([line.split()[1:] for line in text.splitlines() if line.startswith(name)], dtype=float)
 
 
 def mean_of(elements, areas, free):
@@ -69,7 +65,7 @@ def mean_of(elements, areas, free):
 @pytest.mark.parametrize("fast, bend", [(0.1, 0.5), (3.0, None), (9.0, 0)])
 def test_the_convecting_velocity_is_that_of_numpy(fast, bend, freefem_text):
     """The second difference in time counts half up to two elements per step, and not at all above three."""
-    text = freefem_text(STATES.replace("MESH", "Th = change(Th, flabel = label);").replace("FAST", str(fast))).stdout
+    text = freefem_text(STATES.replace("FAST", str(fast))).stdout
     nodes, element, values = rows(text, "NODE"), rows(text, "ELEMENT"), rows(text, "VALUES")
     elements = element[:, 1:].astype(int)
     steps = 0.1 * fast / nodes[:, 2].min()
@@ -87,7 +83,7 @@ def test_the_convecting_velocity_is_that_of_numpy(fast, bend, freefem_text):
 
 def test_smooth_changes_are_extrapolated_and_short_waves_are_not(freefem_text):
     """Inside a mesh of squares changes that are linear in space pass unchanged; a wave from node to node is reduced to an eighth."""
-    text = freefem_text(STATES.replace("x + 0.3*x*y, y", "x, y").replace("MESH", "").replace("FAST", "0.")
+    text = freefem_text(STATES.replace("x + 0.3*x*y, y", "x, y").replace("FAST", "0.")
                         .replace("u1 = cos(5*x*y) - y", "u1 = sin(3*x + y) + 2*x - 3*y + 0.5").replace("v0 = x*y - sin(7*y)", "v0 = 0")
                         .replace("v1 = cos(2*x - 4*y)", "v1 = cos(16*pi*x)*cos(16*pi*y)")).stdout
     nodes, values = rows(text, "NODE"), rows(text, "VALUES")
