@@ -32,6 +32,7 @@ CASES = {
     "rotating_cylinder": ["-tend", "0.01"],
     "oscillating_cylinder": ["-tend", "0.1"],
     "sprung_cylinder": ["-tend", "0.2"],
+    "held_cylinder": ["-tend", "0.01"],
     "ellipse_in_shear": ["-tend", "0.1"],
     "segre_silberberg": ["-tend", "2"],
 }

@@ -178,6 +178,13 @@ def test_corridor_is_uniform_and_fine():
         assert min(below, above) > 1.5 * inside
 
 
+def test_a_stream_is_fine_where_a_body_moves_little():
+    """The path of the body's centre may be shorter than an element."""
+    for stroke in (0.01, 0.05, 0.2):
+        _, mesh = built("sprung_cylinder", "--stroke", stroke)
+        assert sizes_at(mesh, [(6.0, 6.0)])[0] < 0.11
+
+
 @settings(max_examples=15, deadline=None)
 @given(
     position=st.floats(0.0, 1.0), thickness=st.floats(0.002, 0.1), opening=st.floats(0.001, 0.25),

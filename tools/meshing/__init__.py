@@ -41,6 +41,7 @@ CASES = {
     "oscillating_cylinder": (box_corridor, {"width": 16.0, "height": 16.0, "size": 1 / 12, "corridor_position": 8.0, "corridor_width": 3.0, "corridor_bottom": 6.0, "corridor_top": 10.0,
                                             "coarse_factor": 8.0, "growth": 0.15, "pattern": "alternating"}),
     "sprung_cylinder": (stream, {}),
+    "held_cylinder": (stream, {"length": 2.2, "height": 0.41, "centre": [0.2, 0.2], "size": 0.1 / 16, "stroke": 0.002, "reach": 0.08, "coarse_factor": 4.0, "wake_width": 0.2}),
     "poiseuille": (channel, {"size": 1 / 8}),
     "cylinder_between_plates": (channel, {"length": 8.0, "size": 1 / 16}),
     "taylor_green": (periodic_box, {}),

@@ -133,7 +133,7 @@ def set_sizes(gmsh, size, near, growth):
         distance = field.add("Distance")
         field.setNumbers(distance, "PointsList", points)
         field.setNumbers(distance, "CurvesList", lines)
-        field.setNumber(distance, "Sampling", min(20000, max(2, ceil(2 * longest / zone.size))))
+        field.setNumber(distance, "Sampling", min(20000, max(3, ceil(2 * longest / zone.size))))  # ends do not count
         threshold = field.add("Threshold")
         field.setNumber(threshold, "InField", distance)
         field.setNumber(threshold, "SizeMin", min(zone.size, size))

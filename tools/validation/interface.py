@@ -1,24 +1,28 @@
-"""Order of the scheme at the edge of a body: drag and torque on a held cylinder, over offsets.
+"""Order of the scheme at the edge of a body: drag and torque on a held cylinder, over offsets; vortices behind one.
 
-The targets are for the mean over the offsets; the order is that of the root mean square, in which
+The targets of drag and torque are for the mean over the offsets; the order is that of the root mean square, in which
 errors of either sign do not cancel.
 
 Drag: square array of cylinders, Stokes flow, solid fraction 0.1: F/(mu U) = 24.83 (Sangani and
 Acrivos, Int. J. Multiphase Flow 8, 1982). Torque: a cylinder that turns in a flow in circles,
 4 pi mu omega R^2 (Lamb, Hydrodynamics, art. 333). The cylinder stands at several places relative to
 the elements, on meshes of equal triangles and without structure.
+Vortices: DFG 2D-2 with the cylinder as a held body (held_cylinder).
 """
 from collections import namedtuple
 
 import numpy as np
 
+from tools.extrema import vortices
 from tools.plotting import PAGE_WIDTH, curve, plt, save
 from tools.validation import Failed
+from tools.validation.flow import FEAT, VORTICES
 
 FRACTION, RADIUS = 0.1, 0.18
 CELLS = (11, 22, 44)                                                # elements a side: D/h = 3.9, 7.9, 15.7
 OFFSETS = ((0, 0), (0.25, 0.1), (0.5, 0.37), (0.1, 0.6))            # of an element
 ALLOWED = {11: None, 22: 0.005, 44: 0.005}                          # relative error of the mean
+ACROSS = (12, 16, 24)                                               # elements per diameter of the cylinder that sheds vortices
 Quantity = namedtuple("Quantity", "name unit case options exact source diameter read")
 DRAG = Quantity("drag", "F/(mu U)", "cylinder_array", {"-fraction": FRACTION, "-tend": 0.6}, 24.83, "Sangani & Acrivos 1982", 2 * np.sqrt(FRACTION / np.pi),
                 lambda run: float(run.folder.table("summary")["drag_by_balance"][-1]))
@@ -83,4 +87,29 @@ def interface_order(context):
     yield from rows
 
 
-VALIDATIONS = [interface_order]
+def held_vortices(context):
+    """DFG 2D-2 with the cylinder as a held body, over the elements per diameter."""
+    found, cost = {}, {}
+    for across in ACROSS:
+        run = context.run("cases/held_cylinder.edp", {}, f"vortices_{across}", mesh=("held_cylinder", 0.1 / across))
+        force = run.folder.table("forces")
+        found[across], cost[across] = list(vortices(force["t"], 20 * force["fx"], 20 * force["fy"], 4.5).values()), run.cpu_s
+    figure, axes = plt.subplots(figsize=(PAGE_WIDTH, 3.1), layout="constrained")
+    off = np.abs(np.array([found[across] for across in ACROSS]) / np.array(list(VORTICES.values())) - 1)
+    for k, name in enumerate(VORTICES):
+        axes.loglog(ACROSS, off[:, k], marker="o", **curve(k), label=name)
+    axes.loglog(ACROSS, 0.02 * (ACROSS[0] / np.array(ACROSS)) ** 2, color="0.6", label="second order")
+    axes.set_xticks(ACROSS, [str(across) for across in ACROSS])
+    axes.minorticks_off()
+    axes.set_xlabel("elements per diameter")
+    axes.set_ylabel(f"error relative to {FEAT}")
+    figure.legend(loc="outside right upper")
+    path = save(figure, context.figure_path("vortices"))
+    for name, target, measured in zip(VORTICES, VORTICES.values(), found[ACROSS[-1]]):
+        yield context.row(f"2D-2, held body, {ACROSS[-1]} elements per diameter: {name}", FEAT, target, measured, rtol=0.01, cpu_s=cost[ACROSS[-1]], figure=path)
+    orders = -np.polyfit(np.log(ACROSS), np.log(off), 1)[0]
+    for name, order in list(zip(VORTICES, orders))[:3]:
+        yield context.row(f"2D-2, held body: order of the {name}", "second order", 2, order, at_least=1.8, cpu_s=sum(cost.values()), figure=path)
+
+
+VALIDATIONS = [interface_order, held_vortices]
