@@ -27,7 +27,7 @@ REFERENCE = {
 LEVELS = {
     "2d1": [(["cylinder_steady", "--size", f"{3.0 / n:.5f}", "--circle-points", str(n), "--growth", f"{4.8 / n:.5f}", "--wake-factor", "3", "--wake-growth", "0.3"], {})
             for n in (28, 40, 64)],
-    "2d2": [(["cylinder_channel", "--size", "0.15", "--circle-points", "32", "--wake-factor", "2"], {"-dt": 0.0055, "-cfl": 3}),
+    "2d2": [(["cylinder_channel", "--size", "0.15", "--circle-points", "30", "--wake-factor", "2.3", "--wake-growth", "0.08"], {"-dt": 0.0055, "-cfl": 3}),
             (["cylinder_channel", "--size", "0.12", "--circle-points", "32"], {}),  # the default mesh
             (["cylinder_channel", "--size", "0.08", "--circle-points", "48", "--growth", "0.07", "--wake-factor", "1.3", "--wake-growth", "0.03"],
              {"-dt": 0.0015, "-tolerance": 1e-5}),
