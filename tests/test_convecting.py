@@ -109,7 +109,7 @@ def test_vortices_on_a_coarse_mesh_with_large_steps(tmp_path, run_folder):
 
 @pytest.mark.slow
 def test_a_body_at_rest_is_like_a_wall(tmp_path, run_folder):
-    """DFG 2D-2, the cylinder a held body: steps of up to two elements add 2 % to the lift's error of 4.6 % (4 % when short waves stayed near the body)."""
+    """DFG 2D-2, the cylinder a held body: steps of up to two elements add 2 % to the lift's error of 4.5 % (4 % when short waves stayed near the body)."""
     mesh = make_mesh(tmp_path / "c.mesh", "held_cylinder", "--size", 0.1 / 12)
     run_freefem("cases/held_cylinder.edp", "-mesh", mesh, "-dt", 0.006, "-cfl", 3, "-tend", 5.5, "-out", run_folder, timeout=600)
     force = read_table(run_folder / "forces.csv")

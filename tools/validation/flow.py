@@ -20,10 +20,10 @@ VORTICES = {"largest drag coefficient": 3.227393, "least drag coefficient": 3.16
             "lift coefficient, peak to peak": 2.007871, "Strouhal number": 0.301841}
 
 
-def coefficients(run):
-    """t, drag and lift coefficient of a run of cylinder_channel at the usual speed."""
+def coefficients(run, x="force_x", y="force_y"):
+    """t, drag and lift coefficient of a run of cylinder_channel at the usual speed; x, y: columns of forces.csv."""
     force = run.folder.table("forces")
-    return force["t"], 20 * force["force_x"], 20 * force["force_y"]
+    return force["t"], 20 * force[x], 20 * force[y]
 
 
 def fine_mesh(context):
@@ -31,9 +31,9 @@ def fine_mesh(context):
     return context.mesh("cylinder_channel", 0.08, "--circle-points", "64", "--growth", "0.06", "--wake-factor", "1.3", "--wake-growth", "0.02")
 
 
-def vortices_of(run):
-    """The four numbers of 2D-2 after 5 s, in the order of VORTICES."""
-    return list(vortices(*coefficients(run), 5.0).values())
+def vortices_of(run, since=5.0, **columns):
+    """The four numbers of 2D-2 after the time `since` (s), in the order of VORTICES; columns: as coefficients() takes them."""
+    return list(vortices(*coefficients(run, **columns), since).values())
 
 
 def poiseuille(context):

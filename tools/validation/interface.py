@@ -13,10 +13,9 @@ from collections import namedtuple
 
 import numpy as np
 
-from tools.extrema import vortices
 from tools.plotting import PAGE_WIDTH, curve, plt, save
 from tools.validation import Failed
-from tools.validation.flow import FEAT, VORTICES
+from tools.validation.flow import FEAT, VORTICES, vortices_of
 
 FRACTION, RADIUS = 0.1, 0.18
 CELLS = (11, 22, 44)                                                # elements a side: D/h = 3.9, 7.9, 15.7
@@ -66,6 +65,13 @@ def family(context, quantity, pattern, axes, k):
     return rows
 
 
+def elements_along(axes, across, digits):
+    """The elements across the cylinder, which the x axis is to show, as its only ticks."""
+    axes.set_xticks(across, [format(a, digits) for a in across])
+    axes.minorticks_off()
+    axes.set_xlabel("elements across the cylinder")
+
+
 def interface_order(context):
     """Drag and torque on a held cylinder over the size of the elements, on two families of meshes."""
     figure, panels = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 3.1), layout="constrained", sharey=True)
@@ -75,9 +81,7 @@ def interface_order(context):
             rows += family(context, quantity, pattern, axes, k)
         across = quantity.diameter * np.array(CELLS)
         axes.loglog(across, 0.02 * (CELLS[0] / np.array(CELLS)) ** 2, "k:", label="second order")
-        axes.set_xticks(across, [f"{a:.1f}" for a in across])
-        axes.minorticks_off()
-        axes.set_xlabel("elements across the cylinder")
+        elements_along(axes, across, ".1f")
         axes.set_title(quantity.name)
     panels[0].set_ylabel("relative error over the offsets (rms, bar: largest)")
     panels[0].legend(loc="best")
@@ -92,16 +96,13 @@ def held_vortices(context):
     found, cost = {}, {}
     for across in ACROSS:
         run = context.run("cases/held_cylinder.edp", {}, f"vortices_{across}", mesh=("held_cylinder", 0.1 / across))
-        force = run.folder.table("forces")
-        found[across], cost[across] = list(vortices(force["t"], 20 * force["fx"], 20 * force["fy"], 4.5).values()), run.cpu_s
+        found[across], cost[across] = vortices_of(run, 4.5, x="fx", y="fy"), run.cpu_s
     figure, axes = plt.subplots(figsize=(PAGE_WIDTH, 3.1), layout="constrained")
     off = np.abs(np.array([found[across] for across in ACROSS]) / np.array(list(VORTICES.values())) - 1)
     for k, name in enumerate(VORTICES):
         axes.loglog(ACROSS, off[:, k], marker="o", **curve(k), label=name)
     axes.loglog(ACROSS, 0.02 * (ACROSS[0] / np.array(ACROSS)) ** 2, color="0.6", label="second order")
-    axes.set_xticks(ACROSS, [str(across) for across in ACROSS])
-    axes.minorticks_off()
-    axes.set_xlabel("elements per diameter")
+    elements_along(axes, ACROSS, "d")
     axes.set_ylabel(f"error relative to {FEAT}")
     figure.legend(loc="outside right upper")
     path = save(figure, context.figure_path("vortices"))
