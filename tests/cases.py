@@ -36,3 +36,5 @@ CASES = {
     "ellipse_in_shear": ["-tend", "0.1"],
     "segre_silberberg": ["-tend", "2"],
 }
+# Cases that take long on their default mesh: the options of tools.mesh of a coarser one.
+COARSER = {"sudden_expansion": ["--size", 0.25, "--outlet-length", 12, "--stretch", 1.1]}

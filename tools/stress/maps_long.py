@@ -131,7 +131,7 @@ def moved(reach, across):
 
 MAPS = [
     Map("moved_body", "A held body moved for long", Axis("largest move a step (elements)", "", [0.1, 0.3, 1], [0.3]),
-        Axis("elements across", "", [4, 8, 12, 20], [8, 12]), moved, "energy over two periods within 10 % of that over the two before",
+        Axis("elements per diameter", "", [4, 8, 12, 20], [8, 12]), moved, "energy over two periods within 10 % of that over the two before",
         {"stable": "more periods", "stopped": "a smaller -dt", "blown up": "a smaller -dt", "late": "a smaller -dt"}, (0.3, 12)),
     Map("viscous_step", "Slow flow: reach of viscosity in a step", Axis("nu dt/h^2", "", [1, 5, 20, 60], [20]),
         Axis("scene", "", [*ALONE, "10 %", "20 %", "30 %"], ["one disk", "30 %"]), viscous,

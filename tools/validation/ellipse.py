@@ -35,7 +35,7 @@ def ellipse_in_shear(context):
     aspect = 2
     exact = np.pi * (aspect + 1 / aspect)
     for reynolds, size in ((0.1, 0.00625), (0.1, 0.0125)):
-        name = f"ellipse, Reynolds number {reynolds:g}, semi-axes H/20 and H/40, {0.05 / size:g} elements across: half a period times G"
+        name = f"ellipse, Reynolds number {reynolds:g}, semi-axes H/20 and H/40, {0.05 / size:g} elements per minor axis: half a period times G"
         try:
             run = context.run("cases/ellipse_in_shear.edp", {"-major": 0.05, "-reynolds": reynolds, "-dt": 0.01, "-tend": 9.0}, f"jeffery_{size:g}",
                               mesh=context.mesh("ellipse_in_shear", size, "--core", "0.13"))
@@ -47,11 +47,11 @@ def ellipse_in_shear(context):
     points(axes, t, omega, "Aidun et al. 1998")
     found = {}
     for k, (size, dt) in enumerate(((0.0125, 0.01), (0.00625, 0.005))):
-        name = f"ellipse, Reynolds number 1, {0.1 / size:g} elements across: "
+        name = f"ellipse, Reynolds number 1, {0.1 / size:g} elements per minor axis: "
         try:
             run = context.run("cases/ellipse_in_shear.edp", {"-dt": dt}, f"aidun_{size:g}", mesh=context.mesh("ellipse_in_shear", size, "--core", "0.3"))
             track = next(iter(run.folder.tracks.values()))
-            axes.plot(track["t"], -track["omega"], **curve(k), label=f"{0.1 / size:g} elements across")
+            axes.plot(track["t"], -track["omega"], **curve(k), label=f"{0.1 / size:g} elements per minor axis")
             found[name] = (lateness(track, t, omega), abs(np.interp(t, track["t"], -track["omega"]) - omega).max(), half_turn(track), run.cpu_s)
         except Failed as problem:
             yield context.failed(name + "angular velocity", "Aidun et al. 1998", float("nan"), problem)

@@ -33,16 +33,16 @@ def oscillating_cylinder(context):
         try:
             run = context.run(CASE, {"-dt": 0.3 / cells, "-every": 0}, f"oscillating_{cells}", mesh=("oscillating_cylinder", 1 / cells))
         except Failed as problem:
-            rows.append(context.failed(f"oscillating cylinder, {cells} elements across", "body-fitted", FITTED[0], problem))
+            rows.append(context.failed(f"oscillating cylinder, {cells} elements per diameter", "body-fitted", FITTED[0], problem))
             continue
         table = run.folder.table("forces")
         last = table["t"] > table["t"][-1] - KC
         t, force = table["t"][last], table["fy"][last]
         found = coefficients(t, force)
-        axes.plot((t - t[-1]) / KC + 1, force, **curve(k), label=f"{cells} elements across")
+        axes.plot((t - t[-1]) / KC + 1, force, **curve(k), label=f"{cells} elements per diameter")
         for name, value, fitted, published in zip(("C_d", "C_i"), found, FITTED, PUBLISHED):
-            rows.append(context.row(f"oscillating cylinder, {cells} elements across: {name}", "body-fitted P2/P1", fitted, value, rtol={12: 0.03, 16: 0.02, 24: 0.01}[cells], cpu_s=run.cpu_s))
-            rows.append(context.row(f"oscillating cylinder, {cells} elements across: {name}", "Duetsch et al. 1998", published, value, rtol=0.03, cpu_s=run.cpu_s))
+            rows.append(context.row(f"oscillating cylinder, {cells} elements per diameter: {name}", "body-fitted P2/P1", fitted, value, rtol={12: 0.03, 16: 0.02, 24: 0.01}[cells], cpu_s=run.cpu_s))
+            rows.append(context.row(f"oscillating cylinder, {cells} elements per diameter: {name}", "Duetsch et al. 1998", published, value, rtol=0.03, cpu_s=run.cpu_s))
     phase = np.linspace(0, 1, 200)
     axes.plot(phase, terms(phase * KC) @ PUBLISHED, "k:", linewidth=1, label="Morison's equation, Duetsch et al. 1998")
     axes.set_xlabel("time over the period")

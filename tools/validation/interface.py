@@ -66,10 +66,10 @@ def family(context, quantity, pattern, axes, k):
 
 
 def elements_along(axes, across, digits):
-    """The elements across the cylinder, which the x axis is to show, as its only ticks."""
+    """The elements per diameter, which the x axis is to show, as its only ticks."""
     axes.set_xticks(across, [format(a, digits) for a in across])
     axes.minorticks_off()
-    axes.set_xlabel("elements across the cylinder")
+    axes.set_xlabel("elements per diameter")
 
 
 def interface_order(context):

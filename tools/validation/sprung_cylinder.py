@@ -17,7 +17,7 @@ REST_X, REST_Y = 5.5, 6.0
 Swings = namedtuple("Swings", "amplitude frequency shift")
 NAMES = Swings("amplitude across the stream (D)", "frequency (U/D)", "mean displacement along the stream (D)")
 FITTED = Swings(0.549, 0.1678, 0.4870)  # extrapolated
-ALLOWED = {12: Swings(0.06, 0.03, 0.02), 24: Swings(0.03, 0.01, 0.01)}  # elements across: relative errors
+ALLOWED = {12: Swings(0.06, 0.03, 0.02), 24: Swings(0.03, 0.01, 0.01)}  # elements per diameter: relative errors
 
 
 def last_periods(t, x, y, number):
@@ -47,12 +47,12 @@ def sprung_cylinder(context):
             t, x, y = track["t"], track["x"], track["y"]
             found = swings(t, x, y)
         except Failed as problem:
-            rows.append(context.failed(f"{cells} elements across: {NAMES.amplitude}", SOURCE, FITTED.amplitude, problem))
+            rows.append(context.failed(f"{cells} elements per diameter: {NAMES.amplitude}", SOURCE, FITTED.amplitude, problem))
             continue
         first, end, _ = last_periods(t, x, y, 1)
-        over_time.plot(t[first:end] - t[first], y[first:end] - REST_Y, **curve(k), label=f"{cells} elements across")
+        over_time.plot(t[first:end] - t[first], y[first:end] - REST_Y, **curve(k), label=f"{cells} elements per diameter")
         path.plot(x[first:end] - REST_X, y[first:end] - REST_Y, **curve(k))
-        rows += [context.row(f"{cells} elements across: {name}", SOURCE, target, value, rtol=rtol, cpu_s=run.cpu_s)
+        rows += [context.row(f"{cells} elements per diameter: {name}", SOURCE, target, value, rtol=rtol, cpu_s=run.cpu_s)
                  for name, target, value, rtol in zip(NAMES, FITTED, found, allowed)]
     table = read_table(ROOT / "tests" / "reference" / "sprung_cylinder_body_fitted.csv")
     dots = {"markersize": 3, "markerfacecolor": "white", "markeredgecolor": "black", "markeredgewidth": 0.7}

@@ -37,7 +37,7 @@ def sheared_suspension(context):
     """The viscosity that disks add to a shear flow: one against a body-fitted computation, many against Einstein's law."""
     for radius, exact in FITTED.items():
         for cells in (32, 64):
-            name = f"one disk, R/H = {radius:g}, {2 * radius * cells:g} elements across: what it adds to the viscosity"
+            name = f"one disk, R/H = {radius:g}, {2 * radius * cells:g} elements per diameter: what it adds to the viscosity"
             try:
                 found, cpu = single(context, radius, cells)
                 yield context.row(name, "body-fitted P2/P1", exact - 1, found - 1, rtol=0.01 if 2 * radius * cells > 8 else 0.03, cpu_s=cpu)
@@ -57,14 +57,14 @@ def sheared_suspension(context):
     figure, axes = axes_of()
     phi = np.linspace(0, max(SHARES), 50)
     axes.plot(phi, 1 + 2 * phi, "k:", linewidth=1, label="Einstein, 1 + 2 phi")
-    axes.errorbar(list(found), [np.mean(v) for v in found.values()], [np.std(v) for v in found.values()], **curve(0), capsize=3,
-                  label=f"computed, mean and spread of {len(SEEDS)} seeds")
-    axes.set_xlabel("share of the area")
+    axes.errorbar(list(found), [np.mean(v) for v in found.values()], [np.std(v, ddof=1) for v in found.values()], **curve(0), capsize=3,
+                  label=f"computed, mean and standard deviation of {len(SEEDS)} seeds")
+    axes.set_xlabel("solid fraction")
     axes.set_ylabel("relative viscosity")
     axes.legend(loc="best")
     path = save(figure, context.figure_path("viscosity"))
     for share, values in found.items():
-        yield context.row(f"share {share:g}: relative viscosity, mean of {len(values)} seeds (spread {np.std(values):.3f})", "above Einstein's law",
+        yield context.row(f"solid fraction {share:g}: relative viscosity, mean of {len(values)} seeds (standard deviation {np.std(values, ddof=1):.3f})", "above Einstein's law",
                           1 + 2 * share, np.mean(values), at_least=1 + 2 * share, cpu_s=cpu / len(found), figure=path)
     share, fine, cpu = SHARES[0], [], 0.0
     try:
@@ -72,9 +72,9 @@ def sheared_suspension(context):
             run = context.run(CASE, {"-fraction": share, "-seed": seed, "-dt": 0.005}, f"share_{share:g}_{seed}_fine")
             fine.append(viscosity(run, 10.0, 20.0))
             cpu += run.cpu_s
-        yield context.row(f"share {share:g}: relative viscosity", "a quarter of the time step", np.mean(fine), np.mean(found[share]), atol=0.01, cpu_s=cpu)
+        yield context.row(f"solid fraction {share:g}: relative viscosity", "a quarter of the time step", np.mean(fine), np.mean(found[share]), atol=0.01, cpu_s=cpu)
     except (Failed, KeyError) as problem:
-        yield context.failed(f"share {share:g}: relative viscosity", "a quarter of the time step", float("nan"), problem)
+        yield context.failed(f"solid fraction {share:g}: relative viscosity", "a quarter of the time step", float("nan"), problem)
     yield context.row("least gap of all runs over the radius", "nothing overlaps, over the seam neither", 0, min(gaps), at_least=-1e-6)
 
 
