@@ -56,12 +56,12 @@ def sheared_suspension(context):
             cpu += run.cpu_s
     figure, axes = axes_of()
     phi = np.linspace(0, max(SHARES), 50)
-    axes.plot(phi, 1 + 2 * phi, "k:", linewidth=1, label="Einstein, 1 + 2 phi")
+    axes.plot(phi, 1 + 2 * phi, "k:", linewidth=1, label="Einstein, 1 + 2φ")
     axes.errorbar(list(found), [np.mean(v) for v in found.values()], [np.std(v, ddof=1) for v in found.values()], **curve(0), capsize=3,
-                  label=f"computed, mean and standard deviation of {len(SEEDS)} seeds")
-    axes.set_xlabel("solid fraction")
+                  label=f"computed: mean and\nstandard deviation of {len(SEEDS)} seeds")
+    axes.set_xlabel("solid fraction φ")
     axes.set_ylabel("relative viscosity")
-    axes.legend(loc="best")
+    axes.legend(loc="upper left")
     path = save(figure, context.figure_path("viscosity"))
     for share, values in found.items():
         yield context.row(f"solid fraction {share:g}: relative viscosity, mean of {len(values)} seeds (standard deviation {np.std(values, ddof=1):.3f})", "above Einstein's law",
