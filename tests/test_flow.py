@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 
+from cases import COARSER
 from conftest import make_mesh, run_freefem
 from tools.tables import read_table
 
@@ -446,7 +447,7 @@ def test_a_coarse_mesh_first_leads_to_the_same_flow(case, meshes, tmp_path):
 
 
 def test_expansion_is_stable_below_the_critical_reynolds_number(meshes, tmp_path):
-    coarse = mesh(meshes, "sudden_expansion", "--size", 1 / 4, "--outlet-length", 12, "--stretch", 1.1)
+    coarse = mesh(meshes, "sudden_expansion", *COARSER["sudden_expansion"])
     for reynolds in (30, 55):
         run_freefem("cases/sudden_expansion.edp", "-mesh", coarse, "-reynolds", reynolds, "-search", 0, "-out", tmp_path / f"r{reynolds}")
     assert value(tmp_path / "r30", "growth") < 0 < value(tmp_path / "r55", "growth")
@@ -465,7 +466,7 @@ def test_an_expansion_that_is_not_found_tells_no_growth_and_no_asymmetry(meshes,
 
 def test_the_critical_reynolds_number_does_not_hang_on_the_start(meshes, tmp_path):
     """6 secants from 60 ended at 46.3; and at 80 another disturbance than the one that grows was found."""
-    coarse = mesh(meshes, "sudden_expansion", "--size", 1 / 4, "--outlet-length", 12, "--stretch", 1.1)
+    coarse = mesh(meshes, "sudden_expansion", *COARSER["sudden_expansion"])
     for reynolds in (40, 80):
         run_freefem("cases/sudden_expansion.edp", "-mesh", coarse, "-reynolds", reynolds, "-out", tmp_path / f"r{reynolds}")
     assert value(tmp_path / "r80", "critical_reynolds") == pytest.approx(value(tmp_path / "r40", "critical_reynolds"), rel=1e-4)
