@@ -35,6 +35,7 @@ CASES = {
     "held_cylinder": ["-tend", "0.01"],
     "ellipse_in_shear": ["-tend", "0.1"],
     "segre_silberberg": ["-tend", "2"],
+    "carried_disk": ["-tend", "0.02"],
 }
 # Cases that take long on their default mesh: the options of tools.mesh of a coarser one.
 COARSER = {"sudden_expansion": ["--size", 0.25, "--outlet-length", 12, "--stretch", 1.1]}
