@@ -190,6 +190,7 @@ def test_the_benchmark_of_contacts_is_judged(tmp_path):
 
 def test_the_viscosity_of_one_disk_is_found(tmp_path):
     """The rows of its run were too far apart for the window of its mean."""
+    assert suspension.spread([1.25]) == 0 and suspension.spread([1.0, 2.0]) == pytest.approx(0.5**0.5)
     found, _ = suspension.single(Context("suspension", tmp_path), 0.2, 8)
     assert found == pytest.approx(suspension.FITTED[0.2], rel=0.1)  # 3 elements across
 

@@ -33,6 +33,11 @@ def single(context, radius, cells):
     return viscosity(run, 0.35, 0.4), run.cpu_s
 
 
+def spread(values):
+    """Standard deviation over the seeds; 0 for a single one."""
+    return float(np.std(values, ddof=1)) if len(values) > 1 else 0.0
+
+
 def sheared_suspension(context):
     """The viscosity that disks add to a shear flow: one against a body-fitted computation, many against Einstein's law."""
     for radius, exact in FITTED.items():
@@ -57,14 +62,14 @@ def sheared_suspension(context):
     figure, axes = axes_of()
     phi = np.linspace(0, max(SHARES), 50)
     axes.plot(phi, 1 + 2 * phi, "k:", linewidth=1, label="Einstein, 1 + 2φ")
-    axes.errorbar(list(found), [np.mean(v) for v in found.values()], [np.std(v, ddof=1) for v in found.values()], **curve(0), capsize=3,
+    axes.errorbar(list(found), [np.mean(v) for v in found.values()], [spread(v) for v in found.values()], **curve(0), capsize=3,
                   label=f"computed: mean and\nstandard deviation of {len(SEEDS)} seeds")
     axes.set_xlabel("solid fraction φ")
     axes.set_ylabel("relative viscosity")
     axes.legend(loc="upper left")
     path = save(figure, context.figure_path("viscosity"))
     for share, values in found.items():
-        yield context.row(f"solid fraction {share:g}: relative viscosity, mean of {len(values)} seeds (standard deviation {np.std(values, ddof=1):.3f})", "above Einstein's law",
+        yield context.row(f"solid fraction {share:g}: relative viscosity, mean of {len(values)} seeds (standard deviation {spread(values):.3f})", "above Einstein's law",
                           1 + 2 * share, np.mean(values), at_least=1 + 2 * share, cpu_s=cpu / len(found), figure=path)
     share, fine, cpu = SHARES[0], [], 0.0
     try:
