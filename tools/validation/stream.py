@@ -15,13 +15,13 @@ MOVES = (0.05, 0.1, 0.2, 0.4, 0.7, 1.3)  # of the stream in a step, in elements
 SCENES = {(1 / 32, 0.005): (0.01, 0.01), (1 / 32, 0.002): (0.04, 0.02), (1 / 32, 0.001): (0.07, 0.035), (1 / 16, 0.005): (0.07, 0.06)}
 
 
-def loss(context, size, mu, move, stabilise):
+def loss(context, size, mu, move):
     """(how much more slowly the carried disk falls, of the velocity of the other; CPU time)."""
     dt = END / max(4, round(END / (move * size / STREAM)))
     found, cpu = [], 0
     for stream in (0, STREAM):
-        run = context.run(CASE, {"-stream": stream, "-mu": mu, "-dt": dt, "-cfl": 0, "-tend": END, "-every": END, "-stabilise": stabilise, "-tolerance": 1e-6},
-                          f"{size:g}_{mu:g}_{move:g}_{stream:g}_{stabilise:g}", mesh=("periodic_box", size))
+        run = context.run(CASE, {"-stream": stream, "-mu": mu, "-dt": dt, "-cfl": 0, "-tend": END, "-every": END, "-tolerance": 1e-6},
+                          f"{size:g}_{mu:g}_{move:g}_{stream:g}", mesh=("periodic_box", size))
         found.append(last(run, "particles", "v"))
         cpu += run.cpu_s
     return 1 - found[1] / found[0], cpu
@@ -37,7 +37,7 @@ def carried_disk(context):
         for move in MOVES:
             quantity = f"{name}, steps of {move:g} elements: falls more slowly by"
             try:
-                lost, cpu = loss(context, size, mu, move, 0.1)
+                lost, cpu = loss(context, size, mu, move)
             except Failed as problem:
                 rows.append(context.failed(quantity, "in a fluid at rest", 0, problem))
                 continue
