@@ -1,6 +1,6 @@
 """Every case of cases/, with the options of a run of a few steps.
 
-A case on disk that is not in this list fails the tests (test_setup.py): a case is a test.
+A case on disk that is not in this list fails the tests (tests/suite/test_setup.py): a case is a test.
 """
 
 CASES = {

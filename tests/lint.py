@@ -42,7 +42,7 @@ def reached(paths):
 def needed(path):
     """The lib/ files that the header line "// Needs: ..." of a file names."""
     header = re.search(r"^// Needs:((?:.*\n)(?:^//   .*\n)*)", (ROOT / path).read_text(), flags=re.M)
-    return re.findall(r"lib/\w+\.idp", header.group(1)) if header else []
+    return re.findall(r"lib/[\w/]+\.idp", header.group(1)) if header else []
 
 
 def fespaces(text):

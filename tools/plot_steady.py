@@ -2,7 +2,7 @@
 
     python -m tools.plot_steady results/pipe_flow/run_001
 
-Reads fields.vtu, mesh.mesh, wall.csv and zones.csv of a run of scripts/steady_flow.edp and
+Reads fields.vtu, mesh.mesh, wall.csv and zones.csv of a run of scripts/steady.edp and
 writes PNGs into the run folder (or --out FOLDER). Pressures are gauge ones, above the outlet's
 (results.csv holds absolute ones). Exit status 3 when they are not there.
 """

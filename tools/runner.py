@@ -25,7 +25,7 @@ from tools.command import ROOT, BadInput
 
 MEASURE = Path(__file__).with_name("measure.py")
 LIVE = set()  # the runs under way, for end_all
-SOURCES = ("lib/*.idp", "scripts/*.edp", "scripts/*.idp")
+SOURCES = ("lib/**/*.idp", "scripts/*.edp", "scripts/*.idp")
 NAMED = re.compile(r'"([^"\n]+\.(edp|idp|mesh|csv|msh|geo|step|stp|brep|txt|dat))"')  # files that a script speaks of
 STATUSES = {1: "syntax error", 2: "a plug-in cannot be loaded", 3: "bad option or input file", 4: "solver failure",
             5: "inadmissible scene", 6: "assertion inside FreeFEM", 8: "error at run time"}

@@ -97,7 +97,7 @@ def no_history(t, radius, density, rho=1000.0, mu=0.001, g=9.81, added=0.5):
 
 
 def flow_at(name, x, y, t, speed=1.0, rate=1.0):
-    """(u, v, ux, uy, vx, vy, ut) of the flows of tests/transport/analytic.edp."""
+    """(u, v, ux, uy, vx, vy, ut) of the flows of tests/transport/scripts/analytic.edp."""
     if name == "rest":
         return 0, 0, 0, 0, 0, 0, 0
     if name == "uniform":

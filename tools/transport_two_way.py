@@ -6,7 +6,7 @@ import numpy as np
 from tools.mesh_files import read_mesh
 from tools.meshing.plane_mesh import signed_areas
 
-CLOUD = "tests/transport/cloud.edp"
+CLOUD = "tests/transport/scripts/cloud.edp"
 RHO, DENSITY, RADIUS = 1000.0, 2500.0, 0.01  # of CLOUD
 VOLUME = 4 / 3 * math.pi * RADIUS**3
 

@@ -20,7 +20,7 @@ from tools.run_folder import RunFolder
 from tools.runner import finished, freefem, run_command
 from tools.transport_two_way import TWO_WAY, unbalanced
 
-SCRIPT = "tests/transport/analytic.edp"
+SCRIPT = "tests/transport/scripts/analytic.edp"
 
 
 def last(run):
@@ -43,7 +43,7 @@ def order(errors, ratio=2.0):
 
 def drag(context):
     """Coefficients of each law against the figures given with them."""
-    done = finished(run_command([freefem(), "-nw", "tests/transport/drag.edp"], context.limit))
+    done = finished(run_command([freefem(), "-nw", "tests/transport/scripts/drag.edp"], context.limit))
     found = {(law, float(number)): float(cd) for law, number, cd in re.findall(r"row,([\w-]+),([\w.e+-]+),([\w.e+-]+)", done.log)}
     for k, law in enumerate(exact.VECTOR_LAWS):
         worst = relative(*zip(*((found[law, number], row[k]) for number, row in exact.VECTORS.items() if row[k])))

@@ -14,9 +14,9 @@ import numpy as np
 from tools.bench.timed import step_time, tree
 from tools.command import BadInput
 
-JET, PIPE, DISK, SPHERES = "cases/pipe_jet.edp", "cases/pipe_obstacles.edp", "cases/settling_disk.edp", "tests/transport/bench.edp"
-FLOW_FILES = ("scripts/flow.edp", "lib/momentum.idp", "lib/pressure.idp")
-CARRIED_FILES = ("lib/transport.idp", "lib/transport_pass.idp", "lib/forces.idp")
+JET, PIPE, DISK, SPHERES = "cases/pipe_jet.edp", "cases/pipe_obstacles.edp", "cases/settling_disk.edp", "tests/transport/scripts/bench.edp"
+FLOW_FILES = ("scripts/flow.edp", "lib/scheme/velocity_step.idp", "lib/scheme/pressure_step.idp")
+CARRIED_FILES = ("lib/transport/step.idp", "lib/transport/velocity.idp", "lib/transport/forces.idp")
 STILL = {"-dt": 0.0005, "-every": 1000}
 PIPE_STEP = {**STILL, "-cfl": 0, "-ramp": 0.01}
 ALONE = {"-number": 5000, "-lift": 0, "-added-mass": 0, "-fluid-acceleration": 0, "-magnus": 0, "-turbulence": "off", "-drag": "brown-lawler", "-dt": 1e-5}
@@ -48,9 +48,9 @@ FEATURES = [
     Feature("none", "the same program twice", JET_STILL, JET_STILL),
     Feature("particles", "resolved.edp without a particle, against flow.edp", Variant(PIPE, {**PIPE_STEP, "-number": 0}), JET_STILL),
     Feature("contacts", "a disk far from the walls, against a program that never looks", SETTLE,
-            Variant(DISK, STILL, calls=("motionContacts", "impactShare"), files=("scripts/standard.idp",))),
+            Variant(DISK, STILL, calls=("motionContacts", "impactShare"), files=("scripts/resolved_standard.idp",))),
     Feature("contacts of carried spheres", "-contacts 0, against a program without them", CARRIED,
-            Variant(SPHERES, ALONE, guards=("transportContacts",), files=("lib/transport.idp",)), 200),
+            Variant(SPHERES, ALONE, guards=("transportContacts",), files=("lib/transport/step.idp",)), 200),
     Feature("contacts of spheres far apart", "-contacts 1 where none can touch (used, not skipped), against -contacts 0", Variant(SPHERES, {**ALONE, "-contacts": 1, "-number": 200}),
             Variant(SPHERES, {**ALONE, "-number": 200}), 200),
     Feature("convection", "Stokes flow, against a program without convection", Variant(JET, {**PIPE_STEP, "-budget": 0, "-convection": 0}),

@@ -114,7 +114,7 @@ def carried_step(number, steps, history, out):
     history (Brown-Lawler drag, weight less buoyancy, added mass, fluid acceleration, lift, Magnus, fluctuations), or with it
     too, no contacts. The first steps of a run are its most expensive: the figure is over all of them."""
     folder = out / "runs" / f"{number}_{history}"
-    done = finished(run_case("tests/transport/bench.edp", {"-number": number, "-tend": 0.001 * steps, "-history": history}, out=folder))
+    done = finished(run_case("tests/transport/scripts/bench.edp", {"-number": number, "-tend": 0.001 * steps, "-history": history}, out=folder))
     table = RunFolder(folder).table("steps")
     return table["time_flow"][-1] / steps, table["time_forces"][-1] / steps, done.memory_mb
 

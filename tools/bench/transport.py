@@ -45,7 +45,7 @@ def by_scipy(level, out):
 
 def by_suite(level, out):
     folder = out / "runs" / f"spheres_{level}"
-    done = finished(run_case("tests/transport/analytic.edp", {
+    done = finished(run_case("tests/transport/scripts/analytic.edp", {
         "-flow": "vortex", "-number": NUMBER, "-radius": RADIUS, "-density": DENSITY, "-start-x": START_X, "-spread": SPREAD, "-tend": END, "-dt": STEPS[level],
         "-drag": "brown-lawler", "-fluid-acceleration": 1, "-lift": 1, "-every": END}, out=folder))
     run = RunFolder(folder)

@@ -1,4 +1,4 @@
-"""The boundary labels of every mesh of the project; lib/labels.idp holds the same numbers."""
+"""The boundary labels of every mesh of the project; lib/mesh/labels.idp holds the same numbers."""
 
 LABELS = {
     "inlet": 1,

@@ -1,7 +1,7 @@
 """A domain of your own: a gmsh script (.geo) or a mesh by gmsh (.msh), its sides named by physical curves.
 
 Each side of the domain belongs to a physical curve whose name is a boundary of the project
-(wall, inlet, outlet, obstacle, left, right ...; lib/labels.idp) or, without a name, whose number
+(wall, inlet, outlet, obstacle, left, right ...; lib/mesh/labels.idp) or, without a name, whose number
 is the label:
 
     Physical Curve("wall") = {1, 3}; Physical Curve("inlet") = {4}; Physical Curve("outlet") = {2};

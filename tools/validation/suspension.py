@@ -1,7 +1,7 @@
 """The viscosity of disks in a shear flow between plates.
 
 One free disk in the middle of a periodic cell, Stokes flow: body-fitted P2/P1 (the script stands in
-tests/test_wallforces.py). Many disks: no exact value; Einstein's law, 1 + 2 phi in two dimensions
+tests/flow/test_wallforces.py). Many disks: no exact value; Einstein's law, 1 + 2 phi in two dimensions
 (Brady, Int. J. Multiphase Flow 10 (1984) 113), holds for few of them far from each other and is what more of them exceed. At a share
 of 0.05, two disks that meet again and again, the step is to leave no error: a quarter of it is run beside.
 """

@@ -1,0 +1,194 @@
+"""The scripts compile, use no forbidden names and are all known; the set-up explains itself."""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from cases import CASES
+from conftest import FREEFEM, ROOT
+from lint import FORBIDDEN, fespaces, files, global_names, includes, needed, reached
+from tools.meshing.labels import LABELS
+
+SCRIPTS = files(".edp") + files(".idp")
+# A script that another one includes (a driver) is compiled there.
+INCLUDED = {name for path in SCRIPTS for name in includes(path)}
+ENTRIES = [path for path in files(".edp") if path not in INCLUDED]
+# An include that no script uses yet must compile with what its header needs before it.
+ALONE = [path for path in files(".idp") if path not in reached(ENTRIES)]
+
+
+def assert_compiles(script):
+    command = [FREEFEM, "-nw", "-jc", str(script)]
+    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, errors="replace", timeout=120)
+    assert run.returncode == 0, run.stdout[-2000:] + run.stderr[-2000:]
+
+
+@pytest.mark.parametrize("path", ENTRIES)
+def test_script_compiles(path):
+    assert_compiles(path)
+
+
+@pytest.mark.parametrize("path", ALONE)
+def test_include_compiles_alone(path, tmp_path):
+    script = tmp_path / "script.edp"
+    script.write_text("".join(f'include "{name}"\n' for name in [*needed(path), path]))
+    assert_compiles(script)
+
+
+@pytest.mark.parametrize("path", [path for path in SCRIPTS if path.startswith("lib/")])
+def test_include_says_what_it_needs_and_defines(path):
+    header = (ROOT / path).read_text().split("\nIFMACRO")[0]
+    assert re.match(rf"// {Path(path).name}: \S", header), "the first line is // FILE: purpose"
+    assert "// Needs:" in header
+    assert re.search(r"\b[Dd]efines\b", header)
+    for name in needed(path):
+        assert (ROOT / name).is_file(), f"{name} does not exist"
+
+
+@pytest.mark.parametrize("path", SCRIPTS)
+def test_no_global_hides_a_word_of_the_language(path):
+    spaces = set().union(*(fespaces((ROOT / other).read_text()) for other in SCRIPTS))
+    hidden = global_names((ROOT / path).read_text(), spaces) & FORBIDDEN
+    assert not hidden, f"{path} declares {sorted(hidden)}: FreeFEM would use these instead of its own"
+
+
+def test_cholmod_is_told_that_the_matrix_is_symmetric():
+    """FreeFEM 4.9 returns garbage when a form lacks `sym = 1`, FreeFEM 4.15 aborts when `set` does."""
+    calls = [(path, call) for path in SCRIPTS for call in re.findall(r'[^;]*"CHOLMOD"[^;]*;', re.sub(r"//[^\n]*", "", (ROOT / path).read_text())) if "solver" in call]
+    assert len(calls) >= 8
+    assert not [(path, call) for path, call in calls if not re.search(r"\bsym ?= ?1\b", call)]
+
+
+@pytest.mark.skipif(not (ROOT / ".git").exists(), reason="not a checkout")
+def test_the_repository_holds_plain_files_and_nothing_that_is_made():
+    """A link, to an environment elsewhere for one, leads nowhere on another machine."""
+    rows = subprocess.run(["git", "ls-files", "--stage", "-z"], cwd=ROOT, check=True, capture_output=True, text=True).stdout.split("\0")
+    kept = {row.split("\t")[1]: row.split()[0] for row in rows if row}
+    assert "README.md" in kept
+    assert not [name for name, mode in kept.items() if mode not in ("100644", "100755")]
+    assert not [name for name in kept if name.split("/")[0] in (".venv", "results")]
+
+
+@pytest.mark.parametrize("page", ["README.md", "METHOD.md", "VALIDATION.md", "CONTRIBUTING.md", "CHANGELOG.md"])
+def test_a_page_names_what_is_there(page):
+    text = (ROOT / page).read_text()
+    headings = {"#" + re.sub(r"[^\w -]", "", line.lower()).strip().replace(" ", "-")
+                for other in ROOT.glob("*.md") for line in re.findall(r"^#+ (.*)$", other.read_text(), flags=re.M)}
+    for link in re.findall(r"\]\(([^)\s]+)\)", re.sub(r"```.*?```|`[^`\n]*`", "", text, flags=re.S)):
+        path, _, heading = link.partition("#")
+        assert "://" in link or (ROOT / path).exists() and (not heading or "#" + heading in headings), link
+    for module in re.findall(r"python -m (tools(?:\.\w+)+)", text):
+        assert (ROOT / (module.replace(".", "/") + ".py")).is_file() or (ROOT / module.replace(".", "/")).is_dir() or module.endswith(".NAME"), module
+    there = [str(path.relative_to(ROOT)) for folder in ("cases", "lib", "scripts", "tests", "tools") for path in (ROOT / folder).rglob("*")]
+    for name in re.findall(r"`([\w/]+\.(?:idp|edp|py))`", text):
+        assert any(path == name or path.endswith("/" + name) for path in there) or name == "cases/my_case.edp", name
+
+
+def test_the_lint_finds_what_it_looks_for():
+    text = """
+    real a = 1, b(3), dx = f(2, c);            // real region;
+    func real g(real[int] & N, string q) { real z; for (int label = 0; label < 3; ++label) {} return N; }
+    Vh x, lenEdge = [1, y]; Vh [p, P] = [x, y]; int[int] list(2), area = [1, 2];
+    macro jump(u) u // EOM
+    func real[int] volume(int i) { return list; }
+    string words = "real mean; ";
+    """
+    assert global_names(text, ["Vh"]) & FORBIDDEN == {"dx", "x", "lenEdge", "P", "area", "jump", "volume"}
+
+
+def test_every_case_is_in_the_list():
+    on_disk = {Path(path).stem for path in files(".edp") if path.startswith("cases/")}
+    assert on_disk <= set(CASES), f"tests/cases.py does not name {sorted(on_disk - set(CASES))}"
+    assert set(CASES) <= on_disk, f"tests/cases.py names {sorted(set(CASES) - on_disk)}, which are not in cases/"
+
+
+def test_labels_of_python_and_freefem_agree(freefem_text):
+    names = ["label" + name.capitalize() for name in LABELS]
+    lines = "".join(f'cout << "{name} " << {name} << endl << labelName({name}) << endl;\n' for name in names)
+    printed = freefem_text('include "lib/mesh/labels.idp"\n' + lines).stdout
+    assert dict(re.findall(r"(label\w+) (\d+)", printed)) == dict(zip(names, map(str, LABELS.values())))
+    assert re.findall(r"label (\d+) \((\w+)\)", printed) == [(str(number), name) for name, number in LABELS.items()]
+    assert set(re.findall(r"\b(label[A-Z]\w*) = \d", (ROOT / "lib/mesh/labels.idp").read_text())) == set(names)
+
+
+# The set-up, in a copy of what it needs, with stand-ins for the system's programs.
+TOOLS = "bash cat cut dirname env flock grep head ldconfig mktemp rm sha256sum tail".split()
+
+
+@pytest.fixture
+def setup(tmp_path):
+    """A function (stand-ins, **environment) that runs tools/setup.sh on a bare machine."""
+    (tmp_path / "tools").mkdir()
+    for name in ("setup.sh", "requirements.txt"):
+        shutil.copy(ROOT / "tools" / name, tmp_path / "tools")
+
+    def run(stand_ins, **environment):
+        folder = tmp_path / "bin"
+        folder.mkdir()
+        for name in TOOLS:
+            found = shutil.which(name, path=os.environ["PATH"] + ":/sbin:/usr/sbin")
+            if found:
+                (folder / name).symlink_to(found)
+        for name, script in stand_ins.items():
+            (folder / name).write_text(f"#!/bin/sh\n{script}\n")
+            (folder / name).chmod(0o755)
+        environment = {"PATH": str(folder), "HOME": str(tmp_path), "PYTHON": sys._base_executable} | environment
+        command = [str(tmp_path / "tools" / "setup.sh")]
+        return subprocess.run(command, env=environment, cwd="/", capture_output=True, text=True, timeout=300, stdin=subprocess.DEVNULL)
+
+    return run
+
+
+def test_setup_without_root_says_what_to_install(setup):
+    run = setup({"id": "echo 1000", "apt-get": "echo must not run >&2; exit 1"})
+    assert run.returncode != 0
+    assert len(run.stderr.splitlines()) == 1
+    assert "apt-get install -y freefem++ libfreefem++" in run.stderr and "neither root nor sudo" in run.stderr
+
+
+def test_setup_without_network_says_what_to_install(setup):
+    run = setup({"id": "echo 0", "apt-get": "echo 'E: no network' >&2; exit 100"})
+    assert run.returncode != 0
+    assert "E: no network" in run.stderr
+    assert "the command is: apt-get update && apt-get install -y freefem++" in run.stderr.splitlines()[-1]
+
+
+def test_setup_without_apt_says_what_is_missing(setup):
+    run = setup({"id": "echo 0"})
+    assert run.returncode != 0
+    assert "missing: freefem++" in run.stderr and len(run.stderr.splitlines()) == 1
+
+
+def test_setup_without_python_packages_says_what_to_install(setup):
+    # As root with an apt-get that does nothing: only pip has no network.
+    run = setup({"id": "echo 0", "apt-get": "exit 0", "FreeFem++": "exit 0"}, PIP_NO_INDEX="1")
+    assert run.returncode != 0
+    assert "pip install -r tools/requirements.txt" in run.stderr.splitlines()[-1]
+
+
+def test_a_second_setup_takes_less_than_two_seconds():
+    if not (ROOT / ".venv/complete").is_file():
+        pytest.skip("the environment of this run was not made by make setup")
+    start = time.monotonic()
+    subprocess.run([ROOT / "tools/setup.sh"], check=True, env=os.environ | {"FREEFEM": FREEFEM}, timeout=60)
+    assert time.monotonic() - start < 2
+
+
+def test_setup_in_the_activated_environment_leaves_it_alone():
+    if not (ROOT / ".venv/complete").is_file():
+        pytest.skip("the environment of this run was not made by make setup")
+    path = f"{ROOT}/.venv/bin:{os.environ['PATH']}"
+    run = subprocess.run([ROOT / "tools/setup.sh", "--check"], env=os.environ | {"FREEFEM": FREEFEM, "PATH": path}, capture_output=True, text=True, timeout=60)
+    assert run.returncode == 0 and run.stdout == ""
+
+
+def test_make_help_names_every_target():
+    text = (ROOT / "Makefile").read_text()
+    targets = re.search(r"^\.PHONY:(.*)$", text, flags=re.M).group(1).split()
+    printed = subprocess.run(["make", "-s", "help"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    assert {target for target in targets if f"make {target} " not in printed} == {"help"}
