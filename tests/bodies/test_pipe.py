@@ -4,7 +4,7 @@ import json
 import numpy as np
 import pytest
 
-from conftest import make_mesh, run_freefem
+from tests.conftest import make_mesh, run_freefem
 from tools.run_folder import RunFolder
 
 CASE = "cases/pipe_obstacles.edp"
@@ -198,7 +198,7 @@ def test_a_folder_that_holds_a_run_is_not_overwritten(coarse, tmp_path):
 
 @pytest.mark.parametrize("name", sorted(__import__("cases").CASES))
 def test_every_case_runs_a_few_steps(name, tmp_path):
-    from cases import CASES, COARSER
+    from tests.cases import CASES, COARSER
 
     mesh = ["-mesh", make_mesh(tmp_path / "coarser.mesh", name, *COARSER[name])] if name in COARSER else []
     run = run_freefem(f"cases/{name}.edp", *CASES[name], *mesh, "-out", tmp_path / "run", timeout=600)

@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-from conftest import FREEFEM, ROOT, run_freefem
+from tests.conftest import FREEFEM, ROOT, run_freefem
 from tests.bodies.test_boundaries import case
 from tests.core.test_faults import assert_refused, assert_whole_rows, run
 

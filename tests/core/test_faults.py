@@ -17,7 +17,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from conftest import FREEFEM, ROOT, run_freefem
+from tests.conftest import FREEFEM, ROOT, run_freefem
 
 SETTLING = ["cases/settling_disk.edp", "-dt", "0.002", "-tolerance", "1e-4"]
 FALLING = ["cases/falling_particles.edp", "-number", "10", "-dt", "0.01", "-every", "0"]

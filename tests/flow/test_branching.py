@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from conftest import ROOT
+from tests.conftest import ROOT
 from tools.mesh import main as make_mesh
 from tools.run_folder import RunFolder
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from conftest import make_mesh, run_freefem
+from tests.conftest import make_mesh, run_freefem
 from tests.immersed.test_body_nodes import rows
 from tools.extrema import vortices
 from tools.tables import read_table

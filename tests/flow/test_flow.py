@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 
-from cases import COARSER
-from conftest import make_mesh, run_freefem
+from tests.cases import COARSER
+from tests.conftest import make_mesh, run_freefem
 from tools.tables import read_table
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from conftest import ROOT, run_tool
+from tests.conftest import ROOT, run_tool
 from tools.command import BadInput
 from tools.mesh import make, parser
 from tools.meshing import CASES

@@ -7,7 +7,7 @@ import time
 import numpy as np
 import pytest
 
-from conftest import ROOT
+from tests.conftest import ROOT
 from tests.mesh.test_mesh import read
 from tools.meshing import unstructured
 from tools.meshing.checks import faults

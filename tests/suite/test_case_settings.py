@@ -3,8 +3,8 @@ import re
 
 import pytest
 
-from conftest import ROOT
-from lint import files, seen_by_hooks
+from tests.conftest import ROOT
+from tests.lint import files, seen_by_hooks
 from tests.bodies.test_boundaries import PERIODIC, SEAM, case, square
 
 

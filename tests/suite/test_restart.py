@@ -10,7 +10,7 @@ import time
 import numpy as np
 import pytest
 
-from conftest import FREEFEM, ROOT, make_mesh, run_freefem
+from tests.conftest import FREEFEM, ROOT, make_mesh, run_freefem
 from tests.bodies.test_boundaries import case
 from tests.bodies.test_given_motion import HELD
 

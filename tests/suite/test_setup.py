@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from cases import CASES
-from conftest import FREEFEM, ROOT
-from lint import FORBIDDEN, fespaces, files, global_names, includes, needed, reached
+from tests.cases import CASES
+from tests.conftest import FREEFEM, ROOT
+from tests.lint import FORBIDDEN, fespaces, files, global_names, includes, needed, reached
 from tools.meshing.labels import LABELS
 
 SCRIPTS = files(".edp") + files(".idp")

@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from conftest import ROOT
+from tests.conftest import ROOT
 from tools import bench_contacts, plotting
 from tools.bench import __main__ as bench
 from tools.bench import flow, scenes, skip

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from conftest import ROOT
+from tests.conftest import ROOT
 from tools import convergence, quantities
 
 

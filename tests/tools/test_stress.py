@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from conftest import ROOT, run_freefem
+from tests.conftest import ROOT, run_freefem
 from tests.synthetic import write_csv, write_run
 from tools.mesh import parser
 from tools.meshing import CASES

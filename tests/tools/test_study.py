@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from conftest import FREEFEM, run_tool
+from tests.conftest import FREEFEM, run_tool
 from tests.synthetic import ROOT, write_run
 from tools import convergence, quantities, study, study_figure, study_report
 from tools.command import BadInput

@@ -1,7 +1,7 @@
 """What the command line tools have in common: how they refuse, and what their help says."""
 import pytest
 
-from conftest import ROOT
+from tests.conftest import ROOT
 from tools import coupling_effect, doctor, study, transport_table, validate, validate_steady, validate_transport
 from tools.bench import __main__ as bench
 from tools.command import BadInput

@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from conftest import ROOT, make_mesh
+from tests.conftest import ROOT, make_mesh
 from tools import transport_exact as exact
 from tools import validate_transport
 from tools.command import BadInput
