@@ -2,8 +2,8 @@
 import numpy as np
 import pytest
 
-from tests.bodies.test_boundaries import case
-from tests.bodies.test_given_motion import force
+from tests.scenes import case
+from tests.tables import force
 from tools.run_folder import RunFolder
 
 

@@ -2,8 +2,7 @@
 import numpy as np
 import pytest
 
-from tests.bodies.test_boundaries import case
-from tests.bodies.test_against_body_fitted import RING, SIDES, STREAM
+from tests.scenes import RING, SIDES, STREAM, case
 from tools.run_folder import RunFolder
 
 # the middle of the ellipse stands off the midline of a channel of 4 by 1, where the stream shears it

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import make_mesh, run_freefem
+from tests.tables import distances_to_segments
 from tools.run_folder import RunFolder
 
 CASE = "cases/pipe_obstacles.edp"
@@ -34,13 +35,6 @@ def solid_segments(mesh):
     edges = np.array(words[at + 2 : at + 2 + 3 * count], int).reshape(-1, 3)
     edges = edges[np.isin(edges[:, 2], [3, 4, 5])]
     return points[edges[:, 0] - 1], points[edges[:, 1] - 1]
-
-
-def distances_to_segments(x, y, a, b):
-    """(points, segments): distance of each point to each of the segments a-b, m."""
-    p = np.column_stack([x, y])[:, None, :]
-    along = np.clip(((p - a) * (b - a)).sum(2) / ((b - a) ** 2).sum(1), 0, 1)
-    return np.sqrt(((p - a - along[..., None] * (b - a)) ** 2).sum(2))
 
 
 def test_the_run_leaves_its_files(short_run):

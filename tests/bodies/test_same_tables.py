@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import run_freefem
-from tests.bodies.test_same_scene import SCENE, channel, turned, write_moved  # noqa: F401
+from tests.scenes import SCENE, turned, write_moved
 from tools.run_folder import RunFolder
 
 # what the case calls, centre, semi-axes, angle, density over the fluid's, due at

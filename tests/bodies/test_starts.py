@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_banded
 
-from tests.bodies.test_boundaries import case
+from tests.scenes import case
 from tools.mesh_files import read_field
 from tools.run_folder import RunFolder
 

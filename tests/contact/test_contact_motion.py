@@ -2,20 +2,8 @@
 import numpy as np
 import pytest
 
+from tests.scenes import CONTACTS
 from tools.tables import read_table
-
-SCENE = """
-include "lib/bodies/bodies.idp"
-include "lib/contact/walls.idp"
-optCase("scene", "a scene of a test");
-real gravityX = 0, gravityY = {gravity};
-func int sceneWalls() {{ {walls} return 0; }}
-func int sceneBodies() {{ {bodies} return 0; }}
-macro caseWalls() sceneWalls(); // EOM
-macro caseParticles() sceneBodies(); // EOM
-{more}
-include "scripts/contacts.edp"
-"""
 
 
 @pytest.fixture
@@ -23,7 +11,7 @@ def run_scene(freefem_text, tmp_path):
     """Runs a scene; returns (particles as a dict id -> columns, folder)."""
 
     def run(bodies, walls="", gravity=-9.81, more="", name="run", **options):
-        text = SCENE.format(bodies=bodies, walls=walls, gravity=gravity, more=more)
+        text = CONTACTS.format(bodies=bodies, walls=walls, gravity=gravity, more=more)
         words = [w for key, value in options.items() for w in ("-" + key.replace("_", "-"), value)]
         freefem_text(text, "-out", tmp_path / name, *words)
         table = read_table(tmp_path / name / "particles.csv")

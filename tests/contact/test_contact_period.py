@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 
-from tests.immersed.test_body_nodes import rows
+from tests.tables import rows
 from tools.command import ROOT, BadInput
 from tools.contact_problems import Rows, Scene, constraints, project, qp_piqp, scaled
 from tools.run_folder import RunFolder

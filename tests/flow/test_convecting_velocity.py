@@ -1,10 +1,9 @@
 """The extrapolated convecting velocity (lib/flow/convecting_velocity.idp): a NumPy twin, and flows that steps of more than an element spoiled without it."""
-
 import numpy as np
 import pytest
 
 from tests.conftest import make_mesh, run_freefem
-from tests.immersed.test_body_nodes import rows
+from tests.tables import rows
 from tools.extrema import vortices
 from tools.tables import read_table
 

@@ -1,23 +1,11 @@
 """The flow without particles: exact solutions, the convection operator, forces, energy, refusals."""
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 
 from tests.cases import COARSER
-from tests.conftest import make_mesh, run_freefem
+from tests.conftest import mesh, run_freefem
 from tools.tables import read_table
-
-
-def mesh(folder, case, *words):
-    """A mesh made by tools.mesh for this test."""
-    return make_mesh(folder / f"{case}{len(list(folder.iterdir()))}.mesh", case, *words)
-
-
-@pytest.fixture(scope="module")
-def meshes(tmp_path_factory):
-    """A folder for meshes."""
-    return tmp_path_factory.mktemp("meshes")
 
 
 def test_poiseuille_is_exact(meshes, run_folder):

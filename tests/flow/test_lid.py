@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from tests.bodies.test_boundaries import case
+from tests.scenes import case
 from tools.run_folder import RunFolder
 
 # The lid moves faster in its middle than at its ends, where it meets the walls; nothing of the budget is taken from the library: the shear at the lid, the strain and the

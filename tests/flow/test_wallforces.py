@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from tests.bodies.test_boundaries import case
+from tests.scenes import case
 from tools.run_folder import RunFolder
 from tools.tables import read_table
 

@@ -2,42 +2,12 @@
 import numpy as np
 import pytest
 
+from tests.conftest import ROOT, make_mesh
+from tests.scenes import case, script
+from tests.tables import rows
 from tools.run_folder import RunFolder
 from tools.tables import read_table
 from tools.validation.particles import started
-from tests.conftest import ROOT, make_mesh
-from tests.bodies.test_boundaries import case
-
-# A box of N x N cells with disks; prints the rigid nodes. PERIODIC and DISKS are filled in.
-SETS = """
-include "lib/case.idp"
-optCase("sets", "rigid sets"); optEnd();
-real rhoFluid = 1, mu = 1, gravityX = 0, gravityY = 0;
-int withConvection = 0;
-mesh Th = square(16, 16, flags = 3);
-int[int] flowNoSlip = [SOLID], flowMoving(0), flowOutlet(0), flowSlip(0);
-real flowPeriodX = PERIOD, flowPeriodY = 0;
-MACROS
-include "lib/immersed/ghost_values.idp"
-DISKS
-rigidSetUp();
-rigidFind();
-cout.precision(15);
-for (int k = 0; k < rigidCount; ++k) cout << "rigid " << rigidNode[k] << " " << rigidOwner[k] << " " << rigidX[k] << " " << rigidY[k] << endl;
-for (int k = 0; k < flowNw; ++k) cout << "node " << k << " " << flowX[k] << " " << flowY[k] << " " << flowFreeU[k] << endl;
-"""
-PERIODIC_SPACES = """macro flowSpaces() fespace Wh(Th, P2, periodic = [[4, y], [2, y]]); fespace Qh(Th, P1, periodic = [[4, y], [2, y]]); // EOM
-macro flowPeriodicLabels() [2, 4] // EOM"""
-
-
-def script(disks, periodic=False, more=""):
-    text = SETS.replace("PERIOD,", "1," if periodic else "0,").replace("SOLID", "1, 3" if periodic else "1, 2, 3, 4")
-    text = text.replace("MACROS", PERIODIC_SPACES if periodic else "")
-    return text.replace("DISKS", "\n".join(f"bodyDisk({x!r}, {y!r}, {r!r}, 1.);" for x, y, r in disks)) + more
-
-
-def rows(text, word):
-    return np.array([[float(w) for w in line.split()[1:]] for line in text.splitlines() if line.startswith(word + " ")])
 
 
 def inside(nodes, x, y, r, periodic):

@@ -2,7 +2,8 @@
 import numpy as np
 import pytest
 
-from tests.immersed.test_body_nodes import rows, script
+from tests.scenes import script
+from tests.tables import rows
 from tools.run_folder import RunFolder
 
 CELLS = 16

@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import run_freefem
-from tests.bodies.test_boundaries import case, square
+from tests.scenes import case, square
 from tools.mesh_files import read_mesh
 from tools.meshing.medit import write
 from tools.meshing.plane_mesh import PlaneMesh

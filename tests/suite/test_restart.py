@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from tests.conftest import FREEFEM, ROOT, make_mesh, run_freefem
-from tests.bodies.test_boundaries import case
-from tests.bodies.test_given_motion import HELD
+from tests.scenes import HELD, case
+from tests.tables import broken_off, numbers
 
 CASE = "cases/pipe_obstacles.edp"
 SCENE = ["-number", "12", "-first", "0", "-interval", "0.01", "-ramp", "0.05", "-every", "0"]
@@ -30,12 +30,6 @@ def unbroken(mesh, tmp_path_factory):
     folder = tmp_path_factory.mktemp("unbroken") / "run"
     run_freefem(CASE, *mesh, *WHOLE, "-out", folder)
     return folder
-
-
-def numbers(folder, name):
-    """The CSV without the columns that hold seconds of computing."""
-    table = np.genfromtxt(folder / name, delimiter=",", names=True)
-    return {column: table[column] for column in table.dtype.names if not column.startswith("time_")}
 
 
 def assert_same(folder, unbroken):
@@ -177,18 +171,6 @@ def test_contacts_alone_stop_at_maxwall_and_go_on(tmp_path):
     assert "finished at t = 10 s" in run_freefem(*words, "-restart", tmp_path / "run").stdout
     moved = run_freefem("cases/falling_particles.edp", "-tend", "10", "-number", "20", "-restart", tmp_path / "run", check=False)
     assert moved.returncode == 3 and "other options" in moved.stderr
-
-
-def broken_off(words, tmp_path, keep):
-    """(an unbroken run, the same broken off after the checkpoint of step `keep` and gone on with)."""
-    run_freefem(*words, "-out", tmp_path / "whole")
-    shutil.copytree(tmp_path / "whole", tmp_path / "broken", ignore=shutil.ignore_patterns(".writer"))
-    for seal in (tmp_path / "broken").glob("restart_*.sha"):
-        if seal.stem != f"restart_{keep:09d}":
-            seal.unlink()
-    again = run_freefem(*words, "-restart", tmp_path / "broken")
-    assert f"step {keep}" in again.stdout
-    return tmp_path / "whole", tmp_path / "broken"
 
 
 def test_disks_leave_and_feel_forces_after_a_restart(mesh, tmp_path):
