@@ -172,3 +172,28 @@ include "scripts/contacts.edp"
 def write_walls(file, ends):
     """A CSV file of walls, ends (n, 4): x and y of the first and of the second end."""
     file.write_text("x1,y1,x2,y2\n" + "".join(",".join(f"{value:.17g}" for value in row) + "\n" for row in ends))
+
+
+THROUGH = """
+include "lib/case.idp"
+optCase("through", "a channel, the velocity given at both ends");
+optDefault("-mesh", "meshes/taylor_green.mesh");
+include "lib/mesh/labels.idp"
+real rhoFluid = 1, mu = 0.1;
+int[int] flowNoSlip = [labelBottom, labelTop], flowMoving = [labelLeft, labelRight], flowOutlet(0), flowSlip(0);
+real flowPeriodX = 0, flowPeriodY = 0;
+macro boundaryU() (4*y*(1 - y)) // EOM
+func real boundaryRamp(real t) { return 1; }
+macro caseStart() { Wh start = 4*y*(1 - y); flowU = start[]; flowU1 = start[]; } // EOM
+include "scripts/flow.edp"
+"""
+
+
+PARTICLES = "id,x,y,radius,density,u,v,omega\n"
+
+
+def particles(folder, *rows):
+    """A file of particles, each a row of id, x, y, radius, density, u, v, omega."""
+    path = folder / "disks.csv"
+    path.write_text(PARTICLES + "".join(f"{','.join(map(str, row))}\n" for row in rows))
+    return path

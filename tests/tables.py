@@ -7,6 +7,7 @@ from scipy.special import iv, ivp, kv, kvp
 
 from tests.conftest import run_freefem
 from tools.meshing.plane_mesh import PlaneMesh
+from tools.tables import read_table
 
 
 def rows(text, word):
@@ -112,3 +113,9 @@ def read_medit(file):
     refs = content.cell_data_dict["medit:ref"]
     cells = content.cells_dict
     return PlaneMesh(content.points, cells["triangle"], cells["line"], refs["line"])
+
+
+def particles_of(freefem, folder, case, *args):
+    """particles.csv of a run of a case."""
+    freefem(f"cases/{case}.edp", "-out", folder, *args)
+    return read_table(folder / "particles.csv")
