@@ -197,3 +197,64 @@ def particles(folder, *rows):
     path = folder / "disks.csv"
     path.write_text(PARTICLES + "".join(f"{','.join(map(str, row))}\n" for row in rows))
     return path
+
+
+PIPE_MESH = """MeshVersionFormatted 2
+Dimension 2
+Vertices
+{vertices}
+Triangles
+{triangles}
+Edges
+{edges}
+End
+"""
+
+
+def write_box(path, length, low, high, nx, ny, bottom):
+    """A structured mesh of [0, length] x [low, high]: inlet, outlet, wall above, `bottom` below."""
+    lines, triangles, edges = [], [], []
+    for j in range(ny + 1):
+        for i in range(nx + 1):
+            label = 0
+            lines.append(f"{length * i / nx:.12g} {low + (high - low) * j / ny:.12g} {label}")
+    def at(i, j):
+        return j * (nx + 1) + i + 1
+    for j in range(ny):
+        for i in range(nx):
+            triangles.append(f"{at(i, j)} {at(i + 1, j)} {at(i + 1, j + 1)} 0")
+            triangles.append(f"{at(i, j)} {at(i + 1, j + 1)} {at(i, j + 1)} 0")
+    for i in range(nx):
+        edges.append(f"{at(i, 0)} {at(i + 1, 0)} {bottom}")
+        edges.append(f"{at(i + 1, ny)} {at(i, ny)} 3")
+    for j in range(ny):
+        edges.append(f"{at(nx, j)} {at(nx, j + 1)} 2")
+        edges.append(f"{at(0, j + 1)} {at(0, j)} 1")
+    path.write_text(PIPE_MESH.format(vertices="\n".join([str(len(lines)), *lines]),
+                                     triangles="\n".join([str(len(triangles)), *triangles]),
+                                     edges="\n".join([str(len(edges)), *edges])))
+    return path
+
+
+def sides(prefix, *corners):
+    """FreeFEM borders round corners (x, y, label of the side from there on, edges)."""
+    lines, calls = [], []
+    for k, (x, y, label, edges) in enumerate(corners):
+        to = corners[(k + 1) % len(corners)]
+        name = f"{prefix}{k}"
+        lines.append(f"border {name}(t = 0, 1) {{ x = {x} + t*({to[0] - x}); y = {y} + t*({to[1] - y}); label = {label}; }}")
+        calls.append(f"{name}({edges})")
+    return "\n".join(lines), " + ".join(calls)
+
+
+ANALYTIC = "tests/transport/scripts/analytic.edp"
+
+
+FORMULA = """
+include "lib/case.idp"
+optCase("formula", "spheres in a flow by a formula");
+real rhoFluid = 1000, mu = 0.001, gravityX = 0, gravityY = 0;
+macro carrierExact(px, py, t) {carrier} // EOM
+macro caseParticles() {bodies} // EOM
+include "scripts/transport.edp"
+"""

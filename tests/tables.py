@@ -1,4 +1,5 @@
 """What tests read of runs and compare with: rows of the output, tables, exact values, outlines, refusals."""
+import csv
 import shutil
 
 import meshio
@@ -6,6 +7,7 @@ import numpy as np
 from scipy.special import iv, ivp, kv, kvp
 
 from tests.conftest import run_freefem
+from tests.scenes import FORMULA
 from tools.meshing.plane_mesh import PlaneMesh
 from tools.tables import read_table
 
@@ -118,4 +120,34 @@ def read_medit(file):
 def particles_of(freefem, folder, case, *args):
     """particles.csv of a run of a case."""
     freefem(f"cases/{case}.edp", "-out", folder, *args)
+    return read_table(folder / "particles.csv")
+
+
+def results(folder):
+    """results.csv of a run as {quantity: value}."""
+    with open(folder / "results.csv", newline="") as file:
+        return {row["quantity"]: float(row["value"]) for row in csv.DictReader(file)}
+
+
+def numeric_records(path):
+    """A CSV as a list of {column: number}."""
+    with open(path, newline="") as file:
+        return [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+
+
+def results_of(freefem, folder, case, *args):
+    """results.csv of a run of a case as {quantity: value}."""
+    freefem(f"cases/{case}.edp", "-out", folder, *args)
+    return results(folder)
+
+
+def records(path):
+    """A CSV as a list of {column: text}."""
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def in_formula(freefem_text, folder, carrier, bodies, *words):
+    """particles.csv of spheres in a flow by a formula (FreeFEM statements)."""
+    freefem_text(FORMULA.format(carrier=carrier, bodies=bodies), "-out", folder, *words)
     return read_table(folder / "particles.csv")
