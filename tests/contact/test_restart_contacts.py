@@ -14,7 +14,7 @@ def test_contacts_without_a_disk_have_their_checkpoint(freefem_text, tmp_path):
     text = """include "lib/case.idp"
 include "lib/bodies/bodies.idp"
 include "lib/contact/walls.idp"
-optCase("empty", "a scene of tests/suite/test_restart.py");
+optCase("empty", "a scene of tests/contact/test_restart_contacts.py");
 optDefault("-dt", "0.01");
 real gravityX = 0, gravityY = -1;
 macro caseParticles() // EOM
