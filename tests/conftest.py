@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from tests.scenes import CHANNEL
-from tools.command import guarded
-from tools.mesh_files import read_mesh
+from tools.base.command import guarded
+from tools.base.mesh_files import read_mesh
 
 ROOT = Path(__file__).resolve().parent.parent
 FREEFEM = os.environ.get("FREEFEM", "FreeFem++")
@@ -43,14 +43,16 @@ def run_freefem(script, *args, check=True, timeout=300):
 
 def run_tool(name, *words):
     """What python -m tools.NAME WORDS does in the root, in this process: the interpreter and its imports take a second. Returns a CompletedProcess."""
-    main = importlib.import_module(f"tools.{name}").main
+    module = importlib.import_module(f"tools.{name}")
+    if hasattr(module, "__path__"):  # a package
+        module = importlib.import_module(f"tools.{name}.__main__")
     said, errors, status = io.StringIO(), io.StringIO(), 0
     before = os.getcwd(), sys.argv, {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
     os.chdir(ROOT)
     sys.argv = [name, *map(str, words)]
     try:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(errors):
-            guarded(main)
+            guarded(module.main)
     except SystemExit as end:
         status = end.code or 0
     finally:

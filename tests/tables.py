@@ -8,8 +8,8 @@ from scipy.special import iv, ivp, kv, kvp
 
 from tests.conftest import run_freefem
 from tests.scenes import FORMULA
+from tools.base.tables import read_table
 from tools.meshing.plane_mesh import PlaneMesh
-from tools.tables import read_table
 
 
 def rows(text, word):

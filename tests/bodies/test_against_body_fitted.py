@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from tests.scenes import RING, SIDES, STREAM, case
-from tools.run_folder import RunFolder
+from tools.base.run_folder import RunFolder
 
 # centre, semi-axes, angle; held one behind the other in a channel of 4 by 1
 HELD = [(1.0, 0.45, 0.15, 0.15, 0.0), (1.6, 0.57, 0.2, 0.12, 0.5)]

@@ -4,7 +4,7 @@ import pytest
 
 from tests.conftest import standard_alone
 from tests.scenes import PERIODIC, SEAM, case, ring, square
-from tools.run_folder import RunFolder
+from tools.base.run_folder import RunFolder
 
 
 def test_a_turning_cylinder_stops_a_disk(freefem_text, tmp_path):

@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from tools.tables import read_table
+from tools.base.tables import read_table
 
 
 def test_drag_in_a_periodic_array_is_the_same_everywhere(freefem, cell, tmp_path):

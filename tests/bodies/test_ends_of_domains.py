@@ -2,7 +2,7 @@
 import pytest
 
 from tests.scenes import particles
-from tools.run_folder import RunFolder
+from tools.base.run_folder import RunFolder
 
 
 def test_a_moving_plate_stops_a_disk(freefem, tmp_path):

@@ -4,7 +4,7 @@ import pytest
 
 from tests.conftest import ROOT, make_mesh
 from tests.tables import particles_of
-from tools.tables import read_table
+from tools.base.tables import read_table
 
 
 def test_the_fall_hardly_depends_on_the_time_step(freefem, shaft, tmp_path):
@@ -40,8 +40,8 @@ def test_settling_disk_follows_the_published_velocity(freefem, tmp_path):
 
 
 def test_the_body_fitted_reference_is_that_of_its_script(freefem, tmp_path):
-    """A coarse run of tools/body_fitted/settling_disk.edp beside the table made by a fine one."""
-    freefem(ROOT / "tools" / "body_fitted" / "settling_disk.edp", "-dt", "0.01", "-tend", "0.2", "-out", tmp_path / "fall.csv")
+    """A coarse run of tools/peers/body_fitted/settling_disk.edp beside the table made by a fine one."""
+    freefem(ROOT / "tools" / "peers" / "body_fitted" / "settling_disk.edp", "-dt", "0.01", "-tend", "0.2", "-out", tmp_path / "fall.csv")
     coarse, fine = read_table(tmp_path / "fall.csv"), read_table(ROOT / "tests" / "reference" / "settling_disk_body_fitted.csv")
     for t, most in ((0.1, 5e-4), (0.2, 1e-4)):
         found, exact = (np.interp(t, table["t_s"], table["v_cm_per_s"]) for table in (coarse, fine))

@@ -4,7 +4,7 @@ import pytest
 
 from tests.scenes import HELD, case
 from tests.tables import force
-from tools.run_folder import RunFolder
+from tools.base.run_folder import RunFolder
 
 
 def scene(bodies, motion, mu=0.01, **sides):

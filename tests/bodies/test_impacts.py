@@ -5,7 +5,7 @@ import pytest
 from tests.conftest import standard_alone
 from tests.scenes import case
 from tests.tables import momentum_told, rows
-from tools.run_folder import RunFolder
+from tools.base.run_folder import RunFolder
 from tools.stress.overlap import aspects, pair_overlap
 
 

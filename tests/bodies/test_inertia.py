@@ -4,7 +4,7 @@ import pytest
 
 from tests.scenes import case, script
 from tests.tables import particles_of, rows
-from tools.run_folder import RunFolder
+from tools.base.run_folder import RunFolder
 from tools.validation.particles import started
 
 

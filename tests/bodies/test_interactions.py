@@ -4,7 +4,7 @@ import pytest
 from scipy.optimize import root
 
 from tests.scenes import case
-from tools.run_folder import RunFolder
+from tools.base.run_folder import RunFolder
 
 STREAM = "macro boundaryU() (4*y*(1 - y)) // EOM"
 

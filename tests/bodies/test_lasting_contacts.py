@@ -4,7 +4,7 @@ import pytest
 
 from tests.scenes import case, ring
 from tests.tables import momentum_told
-from tools.run_folder import RunFolder
+from tools.base.run_folder import RunFolder
 
 
 def calm_impulses(run):

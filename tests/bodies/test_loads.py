@@ -4,7 +4,7 @@ import pytest
 
 from tests.scenes import case
 from tests.tables import force
-from tools.run_folder import RunFolder
+from tools.base.run_folder import RunFolder
 
 
 def scene(bodies, loads, mu=0.05, gravity=0, **sides):

@@ -2,7 +2,7 @@
 import pytest
 
 from tests.conftest import ROOT
-from tools.tables import read_table
+from tools.base.tables import read_table
 
 
 @pytest.mark.parametrize("rows, complaint", [("5,1,2,x,2\n", "line 2"), ("", "contains no particle"), ("5,1,2,0.1,2\n\n6,1,3,0.1\n", "line 4")])

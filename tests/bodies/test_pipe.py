@@ -6,7 +6,7 @@ import pytest
 
 from tests.conftest import make_mesh, run_freefem
 from tests.tables import distances_to_segments
-from tools.run_folder import RunFolder
+from tools.base.run_folder import RunFolder
 
 CASE = "cases/pipe_obstacles.edp"
 SHORT = ["-tend", "0.5", "-number", "12", "-first", "0", "-ramp", "0.05", "-every", "0.005"]

@@ -4,7 +4,7 @@ import pytest
 
 from tests.scenes import case, particles
 from tests.tables import particles_of
-from tools.run_folder import RunFolder
+from tools.base.run_folder import RunFolder
 
 
 def test_published_scheme_starts_with_the_velocities_given(freefem, tmp_path):

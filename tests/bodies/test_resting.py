@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from tests.scenes import case
-from tools.tables import read_table
+from tools.base.tables import read_table
 
 EXCESS = 0.5 * np.pi * 0.12**2  # weight less buoyancy of a disk of density 1.5, N/m
 BODIES = {

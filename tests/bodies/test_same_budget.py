@@ -5,8 +5,8 @@ import pytest
 from tests.conftest import run_freefem
 from tests.scenes import case, write_moved
 from tests.tables import broken_off
-from tools.mesh_files import read_mesh
-from tools.run_folder import RunFolder
+from tools.base.mesh_files import read_mesh
+from tools.base.run_folder import RunFolder
 
 # A mesh without symmetry; a wall on three sides, a plane of symmetry on the fourth.
 BOX = """

@@ -4,9 +4,9 @@ import pytest
 
 from tests.conftest import run_freefem, standard_alone
 from tests.scenes import SCENE, case, turned, write_moved
+from tools.base.run_folder import RunFolder
 from tools.meshing.medit import write
 from tools.meshing.plane_mesh import PlaneMesh
-from tools.run_folder import RunFolder
 
 # centre, semi-axes, angle, density over the fluid's
 BODIES = [(0.6, 1.5, 0.2, 0.2, 0, 1.2), (3.413, 0.7, 0.2, 0.2, 0, 0.9), (1.5, 1.03, 0.35, 0.2, 0.8, 1.5), (2.48, 1.5, 0.15, 0.15, 0, 3.0), (1.0, 0.41, 0.2, 0.2, 0, 5.0)]

@@ -3,7 +3,7 @@ import numpy as np
 
 from tests.conftest import mesh
 from tests.scenes import case
-from tools.tables import read_table
+from tools.base.tables import read_table
 
 # A disk of 0.3 of a channel's width, nearer to the lower wall; mu dt/(rho R^2) = 44 with a step of 0.01 s.
 CHANNEL = """

@@ -4,8 +4,8 @@ import pytest
 from scipy.linalg import solve_banded
 
 from tests.scenes import case
-from tools.mesh_files import read_field
-from tools.run_folder import RunFolder
+from tools.base.mesh_files import read_field
+from tools.base.run_folder import RunFolder
 
 BOX = """
 include "lib/case.idp"

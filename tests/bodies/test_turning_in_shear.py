@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import make_mesh
-from tools.tables import read_table
+from tools.base.tables import read_table
 
 
 def test_an_ellipse_turns_as_jeffery_says(freefem, coarse_shear, tmp_path):

@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 from tests.conftest import make_mesh
 from tests.scenes import case
 from tests.tables import outline, rows
-from tools.run_folder import RunFolder
+from tools.base.run_folder import RunFolder
 
 # x, y, angle, semi-major axis, minor over major
 BODIES = [(0.0, 0.0, 0.4, 1.0, 0.4), (1.5, 0.9, -0.7, 0.8, 0.5), (-1.1, 1.3, 1.9, 0.9, 0.3), (0.6, -1.3, 0.0, 0.5, 1.0), (-1.6, -0.7, 2.6, 0.7, 0.15)]

@@ -1,7 +1,7 @@
 """Contacts alone reach the end of the run."""
 import pytest
 
-from tools.run_folder import RunFolder
+from tools.base.run_folder import RunFolder
 
 
 @pytest.mark.parametrize("tend, steps, end", [("0.009", 1, 0.009), ("0.03", 2, 0.03), ("0.04", 2, 0.04)])

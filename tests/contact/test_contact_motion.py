@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from tests.scenes import CONTACTS
-from tools.tables import read_table
+from tools.base.tables import read_table
 
 
 @pytest.fixture
@@ -315,7 +315,7 @@ include "scripts/contacts.edp"
 
 
 def test_walls_that_move_are_written_where_they_are(freefem_text, tmp_path):
-    from tools.plot_contacts import ContactRun
+    from tools.plot.contacts import ContactRun
     freefem_text(GATE, "-tend", 0.5, "-every", 0.1, "-out", tmp_path / "run")
     run = ContactRun(tmp_path / "run")
     np.testing.assert_allclose(run.walls_at(0.0), run.walls)
@@ -326,7 +326,7 @@ def test_walls_that_move_are_written_where_they_are(freefem_text, tmp_path):
 
 def test_contacts_end_at_the_end(freefem_text, tmp_path):
     freefem_text(GATE, "-dt", 0.03, "-tend", 0.1, "-out", tmp_path / "run")
-    from tools.tables import read_table
+    from tools.base.tables import read_table
     assert read_table(tmp_path / "run/motion.csv")["t"][-1] == pytest.approx(0.1, rel=1e-12)
 
 

@@ -3,10 +3,10 @@ import numpy as np
 import pytest
 
 from tests.scenes import CONTACTS
-from tools.contact_problems import Scene
-from tools.plot_contacts import ContactRun, make_film, plot_chains, plot_frames
-from tools.run_folder import RunFolder
-from tools.tables import read_table
+from tools.base.run_folder import RunFolder
+from tools.base.tables import read_table
+from tools.peers.contact_problems import Scene
+from tools.plot.contacts import ContactRun, make_film, plot_chains, plot_frames
 
 
 @pytest.fixture

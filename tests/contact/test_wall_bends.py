@@ -4,7 +4,7 @@ import pytest
 
 from tests.scenes import write_walls
 from tests.tables import distances_to_segments
-from tools.run_folder import RunFolder
+from tools.base.run_folder import RunFolder
 
 RING = """
 include "lib/bodies/bodies.idp"

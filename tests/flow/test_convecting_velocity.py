@@ -4,8 +4,8 @@ import pytest
 
 from tests.conftest import make_mesh, run_freefem
 from tests.tables import rows
-from tools.extrema import vortices
-from tools.tables import read_table
+from tools.base.tables import read_table
+from tools.study.extrema import vortices
 
 # A channel with walls below, a plane of symmetry above, an inlet and an outlet; three states with steps of 0.1 s, and a velocity FAST
 # that sets the number of elements per step. Sides: 1 below, 2 right, 3 above, 4 left.

@@ -2,7 +2,7 @@
 import numpy as np
 
 from tests.conftest import mesh, run_freefem
-from tools.tables import read_table
+from tools.base.tables import read_table
 
 
 def test_poiseuille_is_exact(meshes, run_folder):

@@ -4,7 +4,7 @@ import pytest
 
 from tests.conftest import mesh, run_freefem
 from tests.scenes import THROUGH
-from tools.tables import read_table
+from tools.base.tables import read_table
 
 
 @pytest.fixture(scope="module")

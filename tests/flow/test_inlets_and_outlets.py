@@ -4,7 +4,7 @@ import pytest
 
 from tests.conftest import mesh, run_freefem
 from tests.scenes import THROUGH
-from tools.tables import read_table
+from tools.base.tables import read_table
 
 
 def test_what_is_given_to_flow_out_is_no_inflow(freefem_text, run_folder):

@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 
 from tests.scenes import case
-from tools.run_folder import RunFolder
-from tools.tables import read_table
+from tools.base.run_folder import RunFolder
+from tools.base.tables import read_table
 
 SUSPENSION = "cases/sheared_suspension.edp"
 HEAD = "id,x,y,radius,density\n"

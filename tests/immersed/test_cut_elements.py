@@ -4,7 +4,7 @@ import pytest
 
 from tests.scenes import script
 from tests.tables import rows
-from tools.run_folder import RunFolder
+from tools.base.run_folder import RunFolder
 
 CELLS = 16
 FIND = """

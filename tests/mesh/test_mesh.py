@@ -7,11 +7,11 @@ from hypothesis import given, settings, strategies as st
 
 from tests.conftest import ROOT, run_tool
 from tests.tables import read_medit
-from tools.command import BadInput
-from tools.mesh import make, parser
+from tools.base.command import BadInput
 from tools.meshing import CASES
 from tools.meshing.checks import faults
 from tools.meshing.labels import LABELS
+from tools.meshing.main import make, parser
 from tools.meshing.plane_mesh import edges_of, signed_areas, smallest_angles
 
 UNSTRUCTURED = ["channel", "box", "box_corridor", "periodic_box", "couette"]

@@ -9,10 +9,10 @@ import pytest
 
 from tests.conftest import ROOT
 from tests.tables import read_medit
+from tools.base.run_folder import RunFolder
 from tools.meshing import unstructured
 from tools.meshing.checks import faults
 from tools.meshing.plane_mesh import edges_of, signed_areas
-from tools.run_folder import RunFolder
 
 # A channel of 3 by 1 with a round hole, and a second surface behind it.
 SCRIPT = """

@@ -6,7 +6,7 @@ from tests.conftest import run_freefem
 from tests.scenes import write_box
 from tests.steady.conftest import SHORT
 from tests.tables import results
-from tools.mesh_files import read_field
+from tools.base.mesh_files import read_field
 
 
 @pytest.mark.parametrize("args, says", [

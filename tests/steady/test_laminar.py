@@ -7,10 +7,10 @@ import pytest
 from tests.conftest import make_mesh, run_tool
 from tests.scenes import write_box
 from tests.tables import numeric_records, results, results_of
-from tools.command import ROOT
-from tools.mesh_files import read_field, read_mesh
+from tools.base.command import ROOT
+from tools.base.mesh_files import read_field, read_mesh
+from tools.base.tables import read_table
 from tools.peers import step_by_differences
-from tools.tables import read_table
 
 
 @pytest.mark.parametrize("axisymmetric", [0, 1])

@@ -6,8 +6,8 @@ import pytest
 
 from tests.scenes import sides, write_box
 from tests.tables import numeric_records, results, results_of
-from tools.mesh_files import read_field
-from tools.tables import read_table
+from tools.base.mesh_files import read_field
+from tools.base.tables import read_table
 
 
 def test_what_enters_and_heads_are_those_of_the_fields(freefem, run_folder, tmp_path):

@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from tests.tables import results_of
-from tools.command import BadInput
-from tools.mesh_files import read_field, read_mesh
+from tools.base.command import BadInput
+from tools.base.mesh_files import read_field, read_mesh
 
 
 def test_the_pictures_are_drawn(run_folder, pipe_run):
-    from tools import plot_steady
+    from tools.plot import steady as plot_steady
     shutil.copytree(pipe_run, run_folder)
     assert plot_steady.main([str(run_folder)]) == 0
     mesh, (fine, values) = read_mesh(run_folder / "mesh.mesh"), read_field(run_folder / "fields.vtu")
@@ -34,8 +34,8 @@ def test_the_pictures_are_drawn(run_folder, pipe_run):
 
 def test_a_tall_narrow_flow_is_drawn(freefem, run_folder, monkeypatch):
     """A strip 27 times as high as long: as many lines as the page holds, on a page of that shape."""
-    from tools import plot_steady
-    from tools.plotting import plt
+    from tools.plot import steady as plot_steady
+    from tools.plot.style import plt
     results_of(freefem, run_folder, "turbulent_channel", "-cells", 40, "-model", "laminar", "-retau", 20)
     drawn, asked = plt.Axes.streamplot, []
     labels = []

@@ -6,7 +6,7 @@ import pytest
 
 from tests.steady.conftest import SHORT
 from tests.tables import results
-from tools.mesh_files import read_field
+from tools.base.mesh_files import read_field
 
 
 def test_laminar_pipe_and_its_state(freefem_text, run_folder, pipe_run):

@@ -3,7 +3,7 @@ import pytest
 
 from tests.conftest import ROOT, run_freefem
 from tests.scenes import particles
-from tools.run_folder import RunFolder
+from tools.base.run_folder import RunFolder
 
 
 @pytest.mark.parametrize("words, says", [

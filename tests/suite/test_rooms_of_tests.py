@@ -29,11 +29,14 @@ def test_an_import_of_a_test_file_is_seen(text, found):
     assert len(imported_tests(text)) == found
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
-def test_no_test_file_imports_another_or_is_long(file):
-    text = file.read_text()
-    assert not imported_tests(text), "what several test files share stands in tests/scenes.py, tests/tables.py or a conftest.py"
-    assert len(text.splitlines()) <= LONGEST, "one topic a file"
+def test_no_test_file_imports_another():
+    """What several test files share stands in tests/scenes.py, tests/tables.py or a conftest.py."""
+    assert {str(file.relative_to(ROOT)): names for file in FILES if (names := imported_tests(file.read_text()))} == {}
+
+
+def test_no_test_file_is_long():
+    """One topic a file."""
+    assert [str(file.relative_to(ROOT)) for file in FILES if len(file.read_text().splitlines()) > LONGEST] == []
 
 
 def test_names_of_test_files_differ():

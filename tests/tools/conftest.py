@@ -2,7 +2,7 @@
 import pytest
 
 from tests.synthetic import write_run
-from tools.run_folder import RunFolder
+from tools.base.run_folder import RunFolder
 
 
 @pytest.fixture(scope="session")

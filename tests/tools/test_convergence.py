@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from tools import convergence
+from tools.study import convergence
 
 
 @settings(max_examples=80, deadline=None)

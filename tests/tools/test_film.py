@@ -1,9 +1,9 @@
 """Films of runs: frames, formats, titles."""
 import pytest
 
-from tools import film
-from tools.film import frame_rate, make_film, mp4_possible
-from tools.plotting import panels, plt
+from tools.plot import film
+from tools.plot.film import frame_rate, make_film, mp4_possible
+from tools.plot.style import panels, plt
 
 
 def test_the_film_has_a_frame_per_field(run, tmp_path):

@@ -8,12 +8,12 @@ import pytest
 
 from tests.conftest import run_tool
 from tests.synthetic import ROOT, write_csv, write_run
-from tools import plot
-from tools.command import BadInput
-from tools.mesh_files import chains
-from tools.plotting import draw_outline, frame, panels, plt, save, speed_top
-from tools.run_folder import RunFolder
-from tools.tables import read_table
+from tools.base.command import BadInput
+from tools.base.mesh_files import chains
+from tools.base.run_folder import RunFolder
+from tools.base.tables import read_table
+from tools.plot import resolved as plot
+from tools.plot.style import draw_outline, frame, panels, plt, save, speed_top
 
 
 def test_all_pictures_are_made(folder, tmp_path, capsys):

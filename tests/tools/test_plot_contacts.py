@@ -3,10 +3,10 @@ import pytest
 
 from tests.conftest import run_tool
 from tests.synthetic import write_csv, write_run
-from tools import plot, plot_contacts, plot_transport
-from tools.command import BadInput
-from tools.plotting import plt
-from tools.run_folder import RunFolder
+from tools.base.command import BadInput
+from tools.base.run_folder import RunFolder
+from tools.plot import resolved as plot, contacts as plot_contacts, transport as plot_transport
+from tools.plot.style import plt
 
 
 @pytest.mark.parametrize("low", [0.0, -0.8, -8000.25])

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from tests.synthetic import write_csv, write_run
-from tools import plot, plot_transport
-from tools.command import BadInput
-from tools.plotting import plt
+from tools.base.command import BadInput
+from tools.plot import resolved as plot, transport as plot_transport
+from tools.plot.style import plt
 
 
 @pytest.mark.parametrize("times", ["inf", "nan", "-0.1", "0.2,1.1"])

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from tests.synthetic import write_run
-from tools import quantities
-from tools.run_folder import RunFolder
+from tools.base import quantities
+from tools.base.run_folder import RunFolder
 
 
 def test_the_quantities_of_a_made_up_run(tmp_path):

@@ -6,11 +6,11 @@ import pytest
 
 from tests.conftest import run_tool
 from tests.synthetic import write_csv, write_run
-from tools import plot, plot_contacts
-from tools.command import BadInput
-from tools.mesh_files import chains, read_mesh
-from tools.run_folder import RunFolder
-from tools.tables import read_table
+from tools.base.command import BadInput
+from tools.base.mesh_files import chains, read_mesh
+from tools.base.run_folder import RunFolder
+from tools.base.tables import read_table
+from tools.plot import resolved as plot, contacts as plot_contacts
 
 
 @pytest.mark.parametrize("binary", [True, False])

@@ -15,11 +15,12 @@ import pytest
 
 from tests.conftest import FREEFEM, run_tool
 from tests.synthetic import ROOT, write_run
-from tools import quantities, study, study_figure, study_report
-from tools.command import BadInput
-from tools.mesh_files import read_mesh
-from tools.run_folder import RunFolder
-from tools.runner import fingerprint, run_command
+from tools.base import quantities
+from tools.base.command import BadInput
+from tools.base.mesh_files import read_mesh
+from tools.base.run_folder import RunFolder
+from tools.base.runner import fingerprint, run_command
+from tools.study import study, figure as study_figure, report as study_report
 
 # A stand-in for a case: its disk falls at -5.5 (1 + 0.3 h^2 + 2 dt^2), and it can fail.
 SCRIPT = """
@@ -375,13 +376,13 @@ def test_a_stopped_study_ends_its_runs_and_goes_on_later(case, tmp_path, number,
 
 def test_a_tool_that_waits_for_one_run_ends_it_when_it_is_ended(tmp_path):
     """As the study does; here no thread stands between the tool and the run."""
-    tool = ("from tools.command import guarded; from tools.runner import run_command; "
+    tool = ("from tools.base.command import guarded; from tools.base.runner import run_command; "
             f"guarded(lambda: run_command(['sh', '-c', 'echo $$ > {tmp_path}/pid; sleep 47']).status)")
     assert ended_by(signal.SIGTERM, ["-c", tool], tmp_path) == (143, "stopped by SIGTERM\n", False)
 
 
 def test_a_run_that_is_ended_while_it_starts_does_not_go_on(monkeypatch):
-    from tools import runner
+    from tools.base import runner
     make = runner.subprocess.Popen
 
     def made_as_all_is_ended(*words, **options):

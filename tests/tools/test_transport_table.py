@@ -4,9 +4,9 @@ import json
 import numpy as np
 import pytest
 
-from tools.command import BadInput
-from tools.run_folder import RunFolder
-from tools.transport_table import fates, main as transport_table, table_of
+from tools.base.command import BadInput
+from tools.base.run_folder import RunFolder
+from tools.transport.fates import fates, main as transport_table, table_of
 
 
 def carried(folder, diameters, status="finished", **parameters):

@@ -6,7 +6,7 @@ import pytest
 
 from tests.conftest import ROOT
 from tests.tables import records
-from tools.tables import read_table
+from tools.base.tables import read_table
 
 
 def test_flow_at_points_is_exact_for_a_quadratic(freefem):

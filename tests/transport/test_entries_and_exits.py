@@ -6,7 +6,7 @@ import pytest
 
 from tests.conftest import ROOT
 from tests.tables import in_formula, records
-from tools.tables import read_table
+from tools.base.tables import read_table
 
 THROWN = """
 include "lib/case.idp"

@@ -6,8 +6,8 @@ import pytest
 
 from tests.scenes import ANALYTIC
 from tests.tables import in_formula, records
-from tools import transport_exact as exact
-from tools.tables import read_table
+from tools.base.tables import read_table
+from tools.peers import spheres_exact as exact
 
 
 def test_two_runs_with_one_seed_are_the_same_and_another_seed_differs(freefem, tmp_path):

@@ -6,8 +6,8 @@ import pytest
 
 from tests.scenes import ANALYTIC, FORMULA
 from tests.tables import in_formula, records
-from tools import transport_exact as exact
-from tools.tables import read_table
+from tools.base.tables import read_table
+from tools.peers import spheres_exact as exact
 
 
 def test_contacts_keep_falling_spheres_apart(freefem, run_folder):

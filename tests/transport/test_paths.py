@@ -4,9 +4,9 @@ import pytest
 
 from tests.scenes import ANALYTIC
 from tests.tables import in_formula, records
-from tools import validate_transport
-from tools.tables import read_table
+from tools.base.tables import read_table
 from tools.validation import Context
+from tools.validation import spheres as validate_transport
 
 
 @pytest.mark.parametrize("name", ["tracer", "together", "unsteady", "dispersion", "pair"])
