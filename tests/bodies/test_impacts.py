@@ -3,9 +3,9 @@ import numpy as np
 import pytest
 
 from tests.conftest import standard_alone
-from tests.bodies.test_boundaries import case
-from tests.immersed.test_body_nodes import rows
-from tools.run_folder import RunFolder
+from tests.scenes import case
+from tests.tables import momentum_told, rows
+from tools.base.run_folder import RunFolder
 from tools.stress.overlap import aspects, pair_overlap
 
 
@@ -203,39 +203,6 @@ def test_what_unresolved_gaps_push_out_stays_in_the_sum(bodies, freefem_text, tm
     assert number > 0 and 0 < rounds <= 20
     assert abs(lost) < 1e-13 and kept < 1e-5 and far == 0
     assert constant < 1e-9 and slope < 3.6 * 0.16  # the slope over four elements
-
-
-HIT = """
-include "lib/case.idp"
-optCase("hit", "a disk hits others in a doubly periodic box");
-optDefault("-dt", "0.002"); optDefault("-tend", "0.1"); optDefault("-every", "0"); optDefault("-tolerance", "1e-8");
-real rhoFluid = 1, mu = 0.005, gravityX = 0, gravityY = 0, flowPeriodX = 1, flowPeriodY = 1, motionBound = 1e30;
-include "lib/mesh/labels.idp"
-int[int] flowNoSlip(0), flowMoving(0), flowOutlet(0), flowSlip(0);
-macro flowSpaces() fespace Wh(Th, P2, periodic = [[labelLeft, y], [labelRight, y], [labelBottom, x], [labelTop, x]]);
-    fespace Qh(Th, P1, periodic = [[labelLeft, y], [labelRight, y], [labelBottom, x], [labelTop, x]]); // EOM
-macro flowPeriodicLabels() [labelLeft, labelRight, labelBottom, labelTop] // EOM
-func real boundaryRamp(real t) { return 1; }
-macro caseParticles() BODIES // EOM
-macro caseStep() {
-    int n = bodyNumber;
-    real[int] mu0 = flowM*flowU, mv0 = flowM*flowV, own(n), arm(n);
-    bodyShape(own, arm);
-    arm = bodyDensity; arm -= 1.; own = own .* arm;
-    real[int] bu = bodyQ(0:n - 1), bv = bodyQ(n:2*n - 1);
-    real press = 0;
-    if (motionTouching > 0) press = contactImpulse.sum;
-    cout << "momentum " << mu0.sum + own'*bu << " " << mv0.sum + own'*bv << " " << press << endl;
-} // EOM
-include "scripts/resolved.edp"
-"""
-
-
-def momentum_told(freefem_text, folder, bodies, more=""):
-    """Rows of a run of the scene HIT with these bodies: total momentum along x and y, and the contacts' impulse."""
-    mesh = f"{folder}.mesh"
-    text = f'{{ int[int] sides = [13, 12, 14, 11]; savemesh(square(40, 40, label = sides), "{mesh}"); }}\ncout.precision(12);\n{more}' + HIT.replace("BODIES", bodies)
-    return rows(freefem_text(text, "-mesh", mesh, "-out", folder).stdout, "momentum")
 
 
 @pytest.mark.parametrize("bodies, before, within", [

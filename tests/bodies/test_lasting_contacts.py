@@ -2,9 +2,9 @@
 import numpy as np
 import pytest
 
-from tests.bodies.test_boundaries import case, ring
-from tests.bodies.test_impacts import momentum_told
-from tools.run_folder import RunFolder
+from tests.scenes import case, ring
+from tests.tables import momentum_told
+from tools.base.run_folder import RunFolder
 
 
 def calm_impulses(run):

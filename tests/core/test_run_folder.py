@@ -9,8 +9,8 @@ import time
 
 import pytest
 
-from tests.conftest import FREEFEM, ROOT, run_freefem
-from tests.core.test_faults import assert_refused, assert_whole_rows, run
+from tests.conftest import FREEFEM, ROOT, run_freefem, run_limited as run
+from tests.tables import assert_refused, assert_whole_rows
 
 FALLING = ["cases/falling_particles.edp", "-number", 5, "-every", 0]
 PAIRS = int(os.environ.get("RUN_PAIRS", "4"))

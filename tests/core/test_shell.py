@@ -7,9 +7,9 @@ import subprocess
 
 import pytest
 
-from tests.conftest import FREEFEM, ROOT, run_freefem
+from tests.conftest import FREEFEM, ROOT, run_freefem, run_limited as run
 from tests.lint import files
-from tests.core.test_faults import assert_refused, run
+from tests.tables import assert_refused
 
 LITERAL = r'"(?:\\.|[^"\\\n])*"'
 CALLED = re.compile(r"\b(exec|shellRun[1-4]?)\s*\(")

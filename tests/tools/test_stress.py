@@ -12,14 +12,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from conftest import ROOT, run_freefem
+from tests.conftest import ROOT, run_freefem
 from tests.synthetic import write_csv, write_run
-from tools.mesh import parser
+from tools.base.run_folder import RunFolder
+from tools.base.runner import Done
+from tools.base.tables import read_table
 from tools.meshing import CASES
+from tools.meshing.main import parser
 from tools.meshing.medit import write
 from tools.meshing.plane_mesh import signed_areas, smallest_angles
-from tools.run_folder import RunFolder
-from tools.runner import Done
 from tools.stress import __main__ as stress
 from tools.stress import runs as stress_runs
 from tools.stress.awkward import KINDS, spoiled
@@ -28,7 +29,6 @@ from tools.stress.classes import GOOD, Checks, judge
 from tools.stress.limits import defaults_inside, limits_of, write_limits
 from tools.stress.overlap import crossing, pair_overlap, solid_segments, wall_overlap
 from tools.stress.runs import name_of, run_map
-from tools.tables import read_table
 
 WELL = Done(0, "", 1.0, 1.0, 30.0, "")
 CHECKS = Checks({"fluid.kinetic_energy": 1.0, "particles.u": 2.0}, 1.0)

@@ -11,13 +11,13 @@ from pathlib import Path
 
 import numpy as np
 
-from tools.command import ROOT
-from tools.mesh import parser
+from tools.base.command import ROOT
+from tools.meshing.main import parser
 from tools.meshing import CASES
 from tools.meshing.medit import write
 from tools.stress.awkward import spoiled
 from tools.stress.classes import Checks
-from tools.tables import write_text
+from tools.base.tables import write_text
 
 MAKERS = [*ROOT.glob("tools/meshing/*.py"), ROOT / "tools/stress/awkward.py"]
 MAKING = threading.Lock()  # gmsh serves one thread at a time

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tools.command import BadInput
-from tools.run_folder import RunFolder
+from tools.base.command import BadInput
+from tools.base.run_folder import RunFolder
 from tools.stress.overlap import aspects, crossing, pair_overlap, solid_segments, wall_overlap
 
 LETTERS = {"accurate": "A", "stable": "S", "stopped": "C", "late": "T", "overlap": "O", "blown up": "B",
@@ -23,7 +23,7 @@ WORDS = {"accurate": "stable and accurate", "stable": "stable", "stopped": "stop
          "late": "out of time", "overlap": "overlap", "blown up": "blown up", "not run": "not run"}
 GOOD, FAILED = ("accurate", "stable"), ("overlap", "blown up", "not run")
 TABLES = ("particles", "fluid", "contacts", "motion", "errors", "forces", "budget", "summary", "lines", "wall", "steps", "entries", "exits")
-LATE = (24, -24, 124)  # statuses: FreeFEM on SIGXCPU, a program that SIGXCPU ended, tools.runner at its limit
+LATE = (24, -24, 124)  # statuses: FreeFEM on SIGXCPU, a program that SIGXCPU ended, tools.base.runner at its limit
 
 
 @dataclass
