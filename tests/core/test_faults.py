@@ -127,7 +127,7 @@ def test_a_damaged_mesh_is_refused_in_words(box, fault, tmp_path):
     (lambda text: text[:len(text) // 2], "not a number"),
     (lambda text: text[:text.index("Edges")], "ends too early"),
     (lambda text: "", "not a .mesh file"),
-    (lambda text: "\x00\x01\x02\n" * 100, "not a .mesh file"),
+    (lambda text: "\x00\x01\x02\n" * 100, "no plain text"),
     (lambda text: re.sub(r"^(\d+ \d+) \d+$", r"\1 77", text, flags=re.M), "label 77"),
     (lambda text: re.sub(r"^(\d+ \d+) \d+$", r"\1 0", text, flags=re.M), "label 0"),
 ], ids=["cut", "no edges", "empty", "binary", "unknown labels", "no labels"])
@@ -175,7 +175,7 @@ def test_a_file_name_never_reaches_the_shell_unread(tmp_path):
     ("id,x,y,radius,density\n0,1,4,0.1\n", "missing or bad number"),
     ("id,x,y,radius,density\n0.5,0.3,1,0.1,2\n", "whole number"),
     ("id,x,y,radius,density,u,v,omega\n5,0.3,1,0.1,2,1e400,0,0\n", "missing or bad number"),
-    ("\x00\x00", "first line"),
+    ("\x00\x00", "no plain text"),
     ("", "first line"),
 ], ids=["nan", "inf", "radius", "density", "short row", "id", "velocity", "binary", "empty"])
 def test_a_damaged_file_of_particles_is_refused(box, text, says, tmp_path):
