@@ -11,8 +11,8 @@ TYPES = "int|real|bool|complex|string|mesh|mesh3|meshL|meshS|matrix|border|varf|
 
 
 def files(ending):
-    """Paths from the root of the scripts with this ending, sorted."""
-    return sorted(str(f.relative_to(ROOT)) for folder in FOLDERS for f in (ROOT / folder).rglob(f"*{ending}"))
+    """Paths from the root of the scripts with this ending, sorted; without the old names of drivers, which are no scripts of their own."""
+    return sorted(str(f.relative_to(ROOT)) for folder in FOLDERS for f in (ROOT / folder).rglob(f"*{ending}") if "renamed/scripts" not in str(f))
 
 
 def bare(text):

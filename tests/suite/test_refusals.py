@@ -58,12 +58,17 @@ def test_a_folder_with_other_files_is_left_alone(freefem_refused, tmp_path):
 
 
 def test_an_input_in_the_folder_of_the_run_is_not_overwritten(freefem, freefem_refused, tmp_path):
+    """A file of the run itself is refused as input; one that the user has put there stays, and is read."""
     freefem("cases/settling_disk.edp", "-tend", "0.01", "-out", tmp_path / "run")
+    words = ["cases/settling_disk.edp", "-tend", "0.01", "-out", tmp_path / "run", "-overwrite", "1", "-particles"]
     file = tmp_path / "run/disks.csv"
     file.write_text("id,x,y,radius,density\n5,1,2,0.125,2\n")
-    words = ["cases/settling_disk.edp", "-tend", "0.01", "-particles", file, "-out", tmp_path / "run", "-overwrite", "1"]
-    assert "would delete" in freefem_refused(3, *words)
-    assert file.exists() and (tmp_path / "run/particles.csv").exists()
+    freefem(*words, file)
+    with open(tmp_path / "run/.files", "a") as owned:
+        owned.write("disks.csv\n")
+    assert "would delete" in freefem_refused(3, *words, file)
+    assert (tmp_path / "run/particles.csv").exists()
+    assert file.read_text() == "id,x,y,radius,density\n5,1,2,0.125,2\n"
 
 
 def test_a_folder_that_the_run_reads_is_not_overwritten(freefem, freefem_refused, tmp_path):
@@ -80,6 +85,8 @@ outEnd(1., 1, "finished");
     words = [tmp_path / "reader.edp", "-out", tmp_path / "run"]
     freefem(*words)
     (tmp_path / "run/steady_flow.txt").write_text("precious")
+    with open(tmp_path / "run/.files", "a") as owned:
+        owned.write("steady_flow.txt\n")
     assert "-overwrite 1 would delete what -flow reads" in freefem_refused(3, *words, "-overwrite", 1, "-flow", f"{tmp_path}/run/")
     assert (tmp_path / "run/steady_flow.txt").exists() and (tmp_path / "run/run.json").exists()
     freefem(*words, "-overwrite", 1)
