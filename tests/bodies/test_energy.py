@@ -2,8 +2,8 @@
 import numpy as np
 import pytest
 
-from tests.bodies.test_boundaries import case
-from tools.run_folder import RunFolder
+from tests.scenes import case
+from tools.base.run_folder import RunFolder
 
 # A box on whose floor a wedge stands; its sides meet the floor at 114 degrees.
 PEAK = """

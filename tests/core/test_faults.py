@@ -14,7 +14,7 @@ from functools import lru_cache
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
-from tests.conftest import FREEFEM, ROOT, run_freefem, run_limited
+from tests.conftest import FREEFEM, ROOT, make_mesh, run_freefem, run_limited
 from tests.tables import assert_refused, assert_whole_rows
 
 SETTLING = ["cases/settling_disk.edp", "-dt", "0.002", "-tolerance", "1e-4"]
@@ -25,9 +25,7 @@ EXAMPLES = int(os.environ.get("FAULT_EXAMPLES", "4"))
 @pytest.fixture(scope="module")
 def box(tmp_path_factory):
     """A coarse mesh of the settling disk's box: (path, text)."""
-    path = tmp_path_factory.mktemp("box") / "box.mesh"
-    command = [str(ROOT / ".venv/bin/python") if (ROOT / ".venv/bin/python").exists() else "python3", "-m", "tools.mesh", "settling_disk", "--size", "0.125", "--out", str(path)]
-    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+    path = make_mesh(tmp_path_factory.mktemp("box") / "box.mesh", "settling_disk", "--size", 0.125)
     return path, path.read_text()
 
 

@@ -6,7 +6,7 @@ import pytest
 from tests.conftest import ROOT, run_tool
 
 # A room uses those on the floors before its own; the modules directly in tools/ and the room mesh are commands, which nothing imports.
-FLOORS = ["base"], ["plot", "meshing", "setup"], ["study", "transport"], ["peers"], ["validation", "stress"], ["bench"]
+FLOORS = ["base"], ["plot", "meshing", "setup", "compile_errors"], ["study", "transport"], ["peers"], ["validation", "stress"], ["bench"]
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 COMMANDS = sorted([path.stem for path in (ROOT / "tools").glob("*.py") if path.stem != "__init__"] + [path.parent.name for path in (ROOT / "tools").glob("*/__main__.py")])
 
@@ -48,16 +48,10 @@ def test_no_room_of_the_tools_uses_one_of_its_own_floor_or_above():
         if room == "mesh":
             continue
         rooms.add(room)
-        assert room in FLOOR, f"tools/{room} stands on no floor"
+        assert room in FLOOR, f"tools/{room} stands on no floor: FLOORS above says which rooms it may use"
         if names := upward(room, path.read_text()):
             found[str(path.relative_to(ROOT))] = names
     assert found == {} and rooms == set(FLOOR)
-
-
-def test_commands_are_short():
-    """What stands directly in tools/ names a room and runs it."""
-    for path in [*(ROOT / "tools").glob("*.py"), *(ROOT / "tools" / "mesh").glob("*.py")]:
-        assert len(path.read_text().splitlines()) <= 20, path
 
 
 @pytest.mark.parametrize("name", COMMANDS)

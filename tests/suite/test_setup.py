@@ -11,7 +11,8 @@ import pytest
 
 from tests.cases import CASES
 from tests.conftest import FREEFEM, ROOT
-from tests.lint import FORBIDDEN, fespaces, files, global_names, includes, needed, reached
+from tests.lint import files, needed
+from tools.compile_errors.names import FORBIDDEN, fespaces, global_names, includes, reached
 from tools.meshing.labels import LABELS
 
 SCRIPTS = files(".edp") + files(".idp")

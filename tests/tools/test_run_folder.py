@@ -1,4 +1,6 @@
 """Readers of run folders, meshes and fields, and what they say of damaged ones."""
+import json
+import os
 import re
 
 import numpy as np
@@ -8,7 +10,7 @@ from tests.conftest import run_tool
 from tests.synthetic import write_csv, write_run
 from tools.base.command import BadInput
 from tools.base.mesh_files import chains, read_mesh
-from tools.base.run_folder import RunFolder
+from tools.base.run_folder import RunFolder, own
 from tools.base.tables import read_table
 from tools.plot import resolved as plot, contacts as plot_contacts
 
@@ -155,3 +157,19 @@ def test_fields_hold_the_velocity_at_all_its_nodes(freefem, tmp_path):
     inlet = abs(mesh.points[:, 0] - run.mesh.points[:, 0].min()) < 1e-9
     y, u = mesh.points[inlet, 1], values["velocity"][inlet, 0]
     assert np.allclose(u, u.max() * 4 * (y - low) * (high - y) / (high - low) ** 2, atol=1e-5 * u.max())
+
+
+def test_what_a_tool_draws_into_a_run_is_listed_with_it_once(tmp_path):
+    """So that -overwrite 1 replaces pictures of the run before, and none of anybody else."""
+    assert own(tmp_path / "a.png") == tmp_path / "a.png" and not (tmp_path / ".files").exists()
+    (tmp_path / ".files").write_text("run.json\n")
+    own(tmp_path / "a.png")
+    own(tmp_path / "a.png")
+    assert (tmp_path / ".files").read_text() == "run.json\na.png\n"
+
+
+def test_a_run_whose_process_is_gone_is_told_of(tmp_path, capsys):
+    for number, words in ((os.getpid(), "is still running"), (2**22 + 1, "ended without a word")):
+        (tmp_path / "run.json").write_text(json.dumps({"status": "running", "pid": number}))
+        RunFolder(tmp_path).warn_unfinished()
+        assert words in capsys.readouterr().err

@@ -31,6 +31,15 @@ NEEDED = {"particles": "t id x y theta radius", "fluid": "t", "contacts": "t i j
 KINDS = {"parameters": (dict, "an object in braces"), "units": (dict, "an object in braces"), "period": (list, "two numbers in brackets"), "low": (list, "two numbers in brackets"), "open": (list, "labels in brackets")}
 
 
+def own(path):
+    """Adds a file that a tool has made to the list of a run's own files, which -overwrite 1 replaces, where it lies in a run; returns the path."""
+    listed = Path(path).parent / ".files"
+    if listed.is_file() and Path(path).name not in listed.read_text(encoding="utf-8").splitlines():
+        with open(listed, "a", encoding="utf-8") as stream:
+            stream.write(f"{Path(path).name}\n")
+    return path
+
+
 class RunFolder:
     """What a run wrote, by name."""
 
@@ -78,14 +87,22 @@ class RunFolder:
         return str(self.info.get("status") or "")
 
     @property
+    def alive(self):
+        """False if run.json names a process of this machine that is not there any more."""
+        number = self.info.get("pid")
+        return not (Path("/proc/self").exists() and isinstance(number, int) and not Path(f"/proc/{number}").exists())
+
+    @property
     def title(self):
         """The case's name as words, and how the run ended if it failed or did not converge."""
-        return self.case.replace("_", " ") + (f" ({self.status})" if self.status.startswith(("failed", "not")) else "")
+        return self.case.replace("_", " ") + (f" ({self.status})" if self.status.startswith(("failed", "not", "killed", "ended")) else "")
 
     def warn_unfinished(self):
         """One line on the error stream when the run has not come to its end."""
         if self.status not in ("", "finished"):
-            how = "is still running, or was cut off" if self.status == "running" else f"ended as '{self.status}'"
+            how = f"ended as '{self.status}'"
+            if self.status == "running":
+                how = "is still running, or was cut off" if self.alive else "ended without a word (its process is gone)"
             print(f"warning: the run {self.folder} {how}: what it holds is not its end", file=sys.stderr)
 
     @cached_property

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from tools.base.command import BadInput
+from tools.base.run_folder import own
 from tools.plot.style import (draw_boundary, draw_speed, fitting, frame, lowest_with, panels, particle_artists, plt,
                             speed_of, speed_top, time_text)
 
@@ -119,7 +120,7 @@ def write_film(out, shots, rate, gif=False):
         part.replace(path)
     finally:
         part.unlink(missing_ok=True)
-    return path
+    return own(path)
 
 
 def make_film(run, out, most=300, gif=False):

@@ -13,8 +13,8 @@ from matplotlib.tri import LinearTriInterpolator, Triangulation
 
 from tools.base.command import BadInput, Parser
 from tools.base.mesh_files import read_field, read_mesh
-from tools.base.run_folder import RunFolder
-from tools.plot.style import FIELD_MAP, PAGE_WIDTH, curve, draw_outline, frame, plt
+from tools.base.run_folder import RunFolder, own
+from tools.plot.style import FIELD_MAP, PAGE_WIDTH, curve, draw_outline, frame, plt, save
 
 # file, label of the colour bar with the units of the case, how the values come from the fields
 PICTURES = [
@@ -64,8 +64,7 @@ def draw_field(run, mesh, field_mesh, values, label, path, title, streams=None):
         draw_streams(axes, grid, streams)
     draw_outline(axes, mesh)
     figure.colorbar(drawn, ax=axes, label=label, shrink=0.95, pad=0.01)
-    figure.savefig(path, bbox_inches="tight", pad_inches=0.08)  # a title or label wider than a narrow flow is not cut off
-    plt.close(figure)
+    save(figure, path)
 
 
 def draw_streams(axes, grid, velocity):
@@ -108,7 +107,7 @@ def draw_walls(run, path):
     for axes in both:
         axes.grid(True)
     both[1].legend(loc="best")
-    figure.savefig(path)
+    figure.savefig(own(path))
     plt.close(figure)
 
 

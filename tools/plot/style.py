@@ -14,6 +14,7 @@ from matplotlib.ticker import FixedLocator, MaxNLocator  # noqa: E402
 
 from tools.base.command import BadInput  # noqa: E402
 from tools.base.mesh_files import AXIS, OPEN, SOLID, chains  # noqa: E402
+from tools.base.run_folder import own  # noqa: E402
 
 FIELD_MAP = "viridis"
 # The pale end of a map is lost on white paper, so lines use the darker part.
@@ -237,4 +238,4 @@ def save(figure, path):
     """Write the figure and let it go. Returns the path."""
     figure.savefig(path, bbox_inches="tight", pad_inches=0.08)  # labels as wide as they are
     plt.close(figure)
-    return path
+    return own(path)
