@@ -48,7 +48,7 @@ def test_what_windows_and_spreadsheets_write_is_read(freefem_text, tmp_path):
     mesh = (ROOT / "meshes/cavity.mesh").read_bytes()
     (tmp_path / "windows.mesh").write_bytes(mesh.replace(b"\n", b"\r\n"))
     (tmp_path / "windows.csv").write_bytes(b"\xef\xbb\xbfid, x,y , radius,density\r\n7,5.,-.5,1.e-1,2\r\n9,3, 4.e0 ,1,2.\r\n")
-    got = freefem_text(f"""include "lib/bodies/bodies.idp"
+    got = freefem_text(f"""include "lib/bodies/read_particles.idp"
 include "lib/mesh/read_mesh.idp"
 bodyRead("{tmp_path}/windows.csv");
 mesh Th = meshRead("{tmp_path}/windows.mesh"), Ts = meshRead("meshes/cavity.mesh");
@@ -61,7 +61,7 @@ cout << "read " << bodyNumber << " " << bodyId[0] << " " << bodyX[0] << " " << b
 
 def test_lines_of_blanks_are_no_particles(freefem_text, tmp_path):
     (tmp_path / "some.csv").write_text("id,x,y,radius,density\n7,5,0,1,2\n   \n \t\r\n9,8,0,1,2\n  ")
-    got = freefem_text(f"""include "lib/bodies/bodies.idp"
+    got = freefem_text(f"""include "lib/bodies/read_particles.idp"
 bodyRead("{tmp_path}/some.csv");
 cout << "read " << bodyNumber << " " << bodyId[1] << endl;""").stdout
     assert "read 2 9" in got

@@ -97,7 +97,8 @@ for (int d = 0; d < bodyNumber; ++d) cout << "start " << dq[d] << " " << dq[body
 for (int d = 0; d < bodyNumber; ++d) { int n = 0; for (int k = 0; k < rigidCount; ++k) if (rigidOwner[k] == d) n++; cout << "lag " << n << " " << bodyLag[d] << " " << bodyLag[bodyNumber + d] << " " << bodyLag[2*bodyNumber + d] << endl; }
 """).replace('include "lib/immersed/ghost_values.idp"', """int withGhost = 1;
 real stabilise = 0, momentumTolerance = 1e-5;
-include "lib/scheme/pressure_step.idp\"""").replace("square(16, 16, flags = 3)", f"movemesh(square(16, 16, flags = 3), {bend})")
+include "lib/scheme/pressure_step.idp"
+include "lib/scheme/compatible_start.idp\"""").replace("square(16, 16, flags = 3)", f"movemesh(square(16, 16, flags = 3), {bend})")
     out = freefem_text(text).stdout
     lag = rows(out, "lag")
     assert (lag[:-1, 0] == 1).all() and abs(lag[:-1, 1:]).max() < 1e-12

@@ -168,7 +168,7 @@ def test_epsilon_at_the_wall_gives_the_mean_over_its_triangle(freefem_text):
     # The mean of 1/y from d to d + H, and that of the exponential that is linear in the logarithm between a/d and 1/(d + H).
     out = freefem_text("""
 include "lib/core/errors.idp"
-real lenEdge = 1, area = 0, ransNu = 1e-3, ransTurning = 0, ransTiny = 1, ransAxis = 0, y = 1;
+real lenEdge = 1, area = 0, ransNu = 1e-3, ransTurning = 0, ransAxis = 0, y = 1;
 include "lib/steady/rans_model.idp"
 for (int k = 0; k < 5; ++k) {
     real K = 2. + k, height = 0.1 + 0.1*k;

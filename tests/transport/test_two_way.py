@@ -84,7 +84,6 @@ def test_what_a_floor_bears_does_not_reach_the_fluid(freefem_text, tmp_path):
 
 
 SOURCE = """mesh Th = square(10, 10);
-fespace sourceQh(Th, P1);
 include "lib/case.idp"
 include "lib/transport/point_source.idp"
 carrierWh fu = 0; carrierFlow(fu[], fu[]);
