@@ -83,6 +83,13 @@ def test_the_equations_that_the_code_cites_have_one_number_each():
     assert sorted(tags, key=int) == [str(number) for number in range(1, len(tags) + 1)] and len(tags) == 8
 
 
+@pytest.mark.parametrize("page", [page for page in PAGES if "$$" in read(page)])
+def test_a_formula_of_several_lines_has_no_number_of_its_own(page):
+    """Sphinx puts what has a line break or a column between two dollars into a `split`, where MathJax refuses a tag: such a formula is an `equation`."""
+    for formula in re.findall(r"\$\$(.*?)\$\$", read(page), flags=re.S):
+        assert not ("\\tag" in formula and re.search(r"\\\\|&", formula)), formula
+
+
 def test_first_pages_are_short():
     readme, changes = read("README.md"), read("CHANGELOG.md")
     assert len(readme.splitlines()) <= 120 and len(readme.split()) <= 900

@@ -20,7 +20,7 @@ INDEX = """# Gallery
 
 Every example case has a page: what it shows, how to run it, what it costs, how accurate it is, and which options it has.
 CPU times are those of the default run on one core of an AMD EPYC; they vary by a factor of up to 2.5 between days and
-machines. Pictures without another command are drawn by `python -m tools.plot RUN`, where RUN is the folder of a run.
+machines. In the commands for pictures RUN is the folder of a run.
 
 *The pages of the gallery are made by `python -m tools.docs` from the headers of the cases.*
 """
@@ -69,12 +69,12 @@ def index(found):
     """The page with the thumbnails and the list of all pages."""
     text = INDEX
     for group, name in GROUPS.items():
-        text += f"\n## {name}\n\n| case | shows | picture |\n| --- | --- | --- |\n"
+        text += f"\n## {name}\n\n| picture | case |\n| --- | --- |\n"
         for case, entry in found.items():
             if entry["group"] == group:
                 picture = f"[![{case}](../../cases/pictures/{entry['picture']}){{.thumbnail}}]({case}.md)" if entry["picture"] else ""
                 name, shows = title(case)
-                text += f"| [`{case}`]({case}.md) | {prose(shows or name)} | {picture} |\n"
+                text += f"| {picture} | [`{case}`]({case}.md). {prose(shows or name)} |\n"
     listed = "\n".join(found)
     return text + f"\n```{{toctree}}\n:hidden:\n\n{listed}\n```\n"
 
