@@ -51,6 +51,7 @@ bench: setup
 	touch $@
 
 docs: setup .venv/docs/complete
+	rm -rf results/docs
 	.venv/docs/bin/python -m sphinx -q -W --keep-going -E -b html -d results/docs_cache docs results/docs
 	@echo 'The pages are in results/docs/index.html'
 
