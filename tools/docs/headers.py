@@ -22,7 +22,7 @@ def header(path):
 
 def is_sentence(line):
     """Whether an indented line goes on with the sentence before it; commands and formulas do not."""
-    return bool(re.match(r" {3}[A-Za-z(]", line)) and " " in line.strip() and (line.endswith(".") or not re.search(r" = |FreeFem\+\+|python -m", line))
+    return bool(re.match(r" {3}[A-Za-z(]", line)) and " " in line.strip() and " = " not in line and (line.endswith(".") or not re.search(r"FreeFem\+\+|python -m", line))
 
 
 def blocks(lines):
