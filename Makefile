@@ -62,7 +62,7 @@ meshes: setup
 	$(PYTHON) -m tools.default_meshes
 
 setup:
-	@tools/setup.sh
+	@tools/setup/setup.sh
 
 clean:
 	rm -rf .venv .setup.lock .pytest_cache .hypothesis

@@ -3,6 +3,7 @@ import contextlib
 import importlib
 import io
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -10,7 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from tools.command import guarded
+from tests.scenes import CHANNEL
+from tools.base.command import guarded
+from tools.base.mesh_files import read_mesh
 
 ROOT = Path(__file__).resolve().parent.parent
 FREEFEM = os.environ.get("FREEFEM", "FreeFem++")
@@ -40,14 +43,16 @@ def run_freefem(script, *args, check=True, timeout=300):
 
 def run_tool(name, *words):
     """What python -m tools.NAME WORDS does in the root, in this process: the interpreter and its imports take a second. Returns a CompletedProcess."""
-    main = importlib.import_module(f"tools.{name}").main
+    module = importlib.import_module(f"tools.{name}")
+    if hasattr(module, "__path__"):  # a package
+        module = importlib.import_module(f"tools.{name}.__main__")
     said, errors, status = io.StringIO(), io.StringIO(), 0
     before = os.getcwd(), sys.argv, {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
     os.chdir(ROOT)
     sys.argv = [name, *map(str, words)]
     try:
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(errors):
-            guarded(main)
+            guarded(module.main)
     except SystemExit as end:
         status = end.code or 0
     finally:
@@ -118,3 +123,32 @@ def freefem_text(tmp_path):
 def run_folder(tmp_path):
     """The path of a folder for one run; the run makes it."""
     return tmp_path / "run"
+
+
+@pytest.fixture(scope="session")
+def channel(tmp_path_factory):
+    """A coarse mesh of a channel of 4 by 2, the one of tests.scenes.SCENE (read)."""
+    folder = tmp_path_factory.mktemp("channel")
+    (folder / "mesh.edp").write_text(CHANNEL.format(file=folder / "channel.mesh"))
+    run_freefem(folder / "mesh.edp")
+    return read_mesh(folder / "channel.mesh")
+
+
+def run_limited(*words, most=None, timeout=120):
+    """FreeFem++ on the words; most: bytes a file may hold, as on a disk that is full beyond."""
+    def limit():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+    return subprocess.run([FREEFEM, "-nw", *map(str, words)], cwd=ROOT, env=os.environ | {"OPENBLAS_NUM_THREADS": "1"}, capture_output=True, text=True,
+                          errors="replace", timeout=timeout, preexec_fn=limit if most else None)
+
+
+def mesh(folder, case, *words):
+    """A mesh made by tools.mesh for this test."""
+    return make_mesh(folder / f"{case}{len(list(folder.iterdir()))}.mesh", case, *words)
+
+
+@pytest.fixture(scope="session")
+def meshes(tmp_path_factory):
+    """A folder for meshes."""
+    return tmp_path_factory.mktemp("meshes")

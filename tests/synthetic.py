@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from conftest import FREEFEM, ROOT
+from tests.conftest import FREEFEM, ROOT
 
 SCRIPT = """
 load "iovtk"

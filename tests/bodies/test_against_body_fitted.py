@@ -2,18 +2,13 @@
 import numpy as np
 import pytest
 
-from tests.bodies.test_boundaries import case
-from tools.run_folder import RunFolder
+from tests.scenes import RING, SIDES, STREAM, case
+from tools.base.run_folder import RunFolder
 
 # centre, semi-axes, angle; held one behind the other in a channel of 4 by 1
 HELD = [(1.0, 0.45, 0.15, 0.15, 0.0), (1.6, 0.57, 0.2, 0.12, 0.5)]
-SIDES = """
-border below(s = 0, 4) { x = s; y = 0; label = 3; }
-border out(s = 0, 1) { x = 4; y = s; label = 2; }
-border above(s = 4, 0) { x = s; y = 1; label = 3; }
-border into(s = 1, 0) { x = 0; y = s; label = 1; }
-"""
-RING = "border ring{k}(s = 0, 2*pi) {{ x = {x} + {a}*cos(s)*cos({c}) - {b}*sin(s)*sin({c}); y = {y} + {a}*cos(s)*sin({c}) + {b}*sin(s)*cos({c}); label = {label}; }}\n"
+
+
 FITTED = """
 include "lib/case.idp"
 optCase("fitted", "a disk and an ellipse in a channel");
@@ -28,7 +23,6 @@ macro caseResult() {{
 }} // EOM
 include "scripts/steady_laminar.edp"
 """
-STREAM = "macro boundaryU() (4*y*(1 - y)) // EOM"
 
 
 def test_bodies_one_behind_the_other_bear_the_forces_of_a_body_fitted_mesh(freefem_text, tmp_path):

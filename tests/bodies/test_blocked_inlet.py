@@ -5,7 +5,7 @@ import re
 import pytest
 
 from tests.conftest import standard_alone
-from tests.bodies.test_boundaries import case
+from tests.scenes import case
 
 # an inlet on the left, two outlets on the right with a piece of wall between them, an island
 FORK = """

@@ -3,37 +3,8 @@ import numpy as np
 import pytest
 
 from tests.conftest import standard_alone
-from tools.run_folder import RunFolder
-
-CASE = """
-include "lib/case.idp"
-optCase("boundaries", "a scene of tests/bodies/test_boundaries.py");
-optDefault("-mesh", "meshes/couette_disk.mesh");
-optDefault("-dt", "0.01");
-real rhoFluid = 1, mu = {mu}, gravityX = 0, gravityY = {gravity};
-include "lib/mesh/labels.idp"
-int[int] flowNoSlip = [{walls}], flowMoving = [{moving}], flowOutlet = [{outlet}], flowSlip = [{slip}];
-{more}
-real flowPeriodX = 0, flowPeriodY = {period}, motionBound = 1e30;
-func real boundaryRamp(real t) {{ return 1; }}
-macro caseParticles() {particles} // EOM
-include "scripts/resolved.edp"
-"""
-
-
-def case(particles, walls="labelLeft, labelRight, labelBottom, labelTop", moving="", outlet="", slip="", more="", period=0, mu=0.05, gravity=-1):
-    """The text of a case in the unit square; empty lists of labels as FreeFEM writes them."""
-    text = CASE.format(particles=particles, walls=walls, moving=moving, outlet=outlet, slip=slip, more=more, period=period, mu=mu, gravity=gravity)
-    return text.replace(" = []", "(0)")
-
-
-def ring(file):
-    """A mesh between a cylinder of radius 0.4 (label 6) and one of radius 1 (label 3), in 24 and 60 chords."""
-    return f"""
-border outer(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}
-border inner(s = 0, 2*pi) {{ x = 0.4*cos(s); y = 0.4*sin(s); label = 6; }}
-savemesh(buildmesh(outer(60) + inner(-24)), "{file}");
-"""
+from tests.scenes import PERIODIC, SEAM, case, ring, square
+from tools.base.run_folder import RunFolder
 
 
 def test_a_turning_cylinder_stops_a_disk(freefem_text, tmp_path):
@@ -103,13 +74,6 @@ def test_a_disk_leaves_through_an_outlet_on_any_side(side, x, y, pull, freefem_t
     assert 0.5 < outside < 0.5 + 0.12 + 0.1  # not much further than wholly beyond the side
 
 
-SEAM = """macro boundaryU() 1. // EOM
-macro flowSpaces() fespace Wh(Th, P2, periodic = [[labelBottom, x], [labelTop, x]]);
-    fespace Qh(Th, P1, periodic = [[labelBottom, x], [labelTop, x]]); // EOM
-macro flowPeriodicLabels() [labelBottom, labelTop] // EOM
-macro caseStart() { Wh one = 1.; flowU = one[]; } // EOM"""
-
-
 def test_a_waiting_particle_minds_the_disk_over_the_seam(freefem_text, tmp_path):
     for height in (0.1, 1.1):
         text = case(f"bodyAdd(0.14, {height}, 0.12, 1, 0, 0, 0, 0); queueAdd(0.95, 0.12, 1, 0.); queueAdd(0.5, 0.12, 1, 0.);",
@@ -129,19 +93,6 @@ def test_a_disk_that_enters_over_a_seam_takes_the_motion_of_the_fluid(height, fr
 
 
 DRAIN = "border hole(s = 0, 2*pi) { x = 0.5 + 0.15*cos(s); y = 0.5 + 0.15*sin(s); label = 2; }"
-PERIODIC = "\n".join(SEAM.splitlines()[1:4])
-
-
-def square(file, above="1 - s", edges=12, hole="", sides=12):
-    """A mesh of the unit square, of so many edges a side; above: x of the vertices on the upper side, of so many edges, by s from 0 to 1; hole: its border."""
-    return f"""
-border below(s = 0, 1) {{ x = s; y = 0; label = 13; }}
-border beside(s = 0, 1) {{ x = 1; y = s; label = 12; }}
-border upper(s = 0, 1) {{ x = {above}; y = 1; label = 14; }}
-border before(s = 1, 0) {{ x = 0; y = s; label = 11; }}
-{hole}
-savemesh(buildmesh(below({sides}) + beside({sides}) + upper({edges}) + before({sides}){hole and " + hole(-20)"}), "{file}");
-"""
 
 
 def test_a_disk_goes_down_a_drain_wherever_its_period_is_counted_from(freefem_text, tmp_path):

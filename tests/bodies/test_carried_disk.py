@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from tools.run_folder import RunFolder
+from tools.base.run_folder import RunFolder
 
 # Plane Poiseuille flow in a channel of height 1, periodic over a length of 2, of speed 1 in the middle: u = 4 y (1 - y), driven by the force 8 mu.
 SIDES = "int[int] sides = [13, 12, 14, 11];\n"

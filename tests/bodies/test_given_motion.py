@@ -1,28 +1,16 @@
 """Held bodies that are moved as a case says: the force on them, and that their motion can go on for long."""
 import numpy as np
 import pytest
-from scipy.special import iv, ivp, kv, kvp
 
-from tests.bodies.test_boundaries import case
-from tools.run_folder import RunFolder
+from tests.scenes import HELD, case
+from tests.tables import force
+from tools.base.run_folder import RunFolder
+
 
 def scene(bodies, motion, mu=0.01, **sides):
     """The text of a case without gravity; sides: labels, the four of the unit square by default."""
     text = case(bodies, more=f"macro caseMotion(now) {motion} // EOM", **sides)
     return text.replace("mu = 0.05", f"mu = {mu}").replace("gravityY = -1", "gravityY = 0")
-
-
-def force(r, far, rho, mu, rate):
-    """Force on a cylinder of radius r with the velocity exp(i rate t) in a concentric container of radius far, over that
-    velocity: Stokes flow with inertia, stream function (a/x + b x + c I1(k x) + d K1(k x)) sin(angle), k^2 = i rate rho/mu
-    (after G. G. Stokes, 1851, and Chen, Wambsganss & Jendrzejczyk, J. Appl. Mech. 43 (1976) 325)."""
-    k = np.sqrt(1j * rate * rho / mu)
-    parts = lambda x: np.array([1 / x, x, iv(1, k * x), kv(1, k * x)])
-    slopes = lambda x: np.array([-1 / x**2, 1, k * ivp(1, k * x), k * kvp(1, k * x)])
-    a = np.linalg.solve([parts(r) / r, slopes(r), parts(far), slopes(far)], [1, 1, 0, 0])
-    bends = (1 / r**2 + k**2) * parts(r) - slopes(r) / r
-    bends[:2] = 2 / r**3, 0
-    return np.pi * r * (1j * rate * rho * (a[1] * r - a[0] / r) + mu * (a @ bends))
 
 
 def test_the_force_on_an_oscillating_cylinder(freefem_text, tmp_path):
@@ -115,23 +103,6 @@ def test_a_motion_that_is_no_number_is_refused(freefem_text, tmp_path):
     text = scene("bodyAdd(0.5, 0.5, 0.16, 1, 0, 0, 0, 0);", "givenMotion(0, (now > 0.015 ? log(-1.) : 0.1), 0, 0);")
     done = freefem_text(text, "-tend", 0.05, "-dt", 0.01, "-out", tmp_path / "run", check=False)
     assert done.returncode == 3 and "gives particle 0 is not finite" in done.stderr and len(done.stderr.strip().splitlines()) == 1
-
-
-HELD = """include "lib/bodies/bodies.idp"
-optCase("held", "a disk held in a periodic channel");
-optDefault("-mesh", "meshes/couette_disk.mesh");
-real rhoFluid = 1, mu = 0.3, gravityX = 0, gravityY = 0;
-macro flowForceX() 1. // EOM
-include "lib/mesh/labels.idp"
-int[int] flowNoSlip = [labelTop, labelBottom], flowMoving(0), flowOutlet(0), flowSlip(0);
-macro flowSpaces() fespace Wh(Th, P2, periodic = [[labelLeft, y], [labelRight, y]]);
-    fespace Qh(Th, P1, periodic = [[labelLeft, y], [labelRight, y]]); // EOM
-macro flowPeriodicLabels() [labelLeft, labelRight] // EOM
-real flowPeriodX = 1, flowPeriodY = 0, motionBound = 1e30;
-func real boundaryRamp(real t) { return 1; }
-macro caseParticles() bodyAdd(0.51, 0.47, 0.2, 1, 0, 0, 0, 0); // EOM
-include "scripts/resolved.edp"
-"""
 
 
 @pytest.mark.parametrize("density, free", [(1, 0), (1e6, 0), (1e6, 1)])

@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 from scipy.optimize import root
 
-from tests.bodies.test_boundaries import case
-from tools.run_folder import RunFolder
+from tests.scenes import case
+from tools.base.run_folder import RunFolder
 
 STREAM = "macro boundaryU() (4*y*(1 - y)) // EOM"
 

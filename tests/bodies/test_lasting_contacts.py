@@ -2,9 +2,9 @@
 import numpy as np
 import pytest
 
-from tests.bodies.test_boundaries import case, ring
-from tests.bodies.test_impacts import momentum_told
-from tools.run_folder import RunFolder
+from tests.scenes import case, ring
+from tests.tables import momentum_told
+from tools.base.run_folder import RunFolder
 
 
 def calm_impulses(run):
@@ -19,25 +19,30 @@ def calm_impulses(run):
     return np.array(found)
 
 
-@pytest.mark.parametrize("kind, off_by, calm", [("disk", 0.12, 0.19), ("ellipse", 0.2, 0.16)])
-def test_a_settling_heap_keeps_its_momentum_in_each_step(kind, off_by, calm, freefem_text, tmp_path):
-    """Less the impulses of weight and walls, over that of the weight in a step: 0.07 and 0.10 (1.1 and 0.5 when gentle collisions kept the jumps of the projection, 0.17 when
-    contacts could pull). Contact forces between collisions: at most 0.15 and 0.13 of that impulse (0.31 and 0.15)."""
-    rng = np.random.default_rng(5)
-    bodies = ""
-    for j in range(4):
-        for i in range(5):
-            place = f"{0.14 + 0.18 * i + 0.02 * (j % 2) + 0.01 * rng.random():.4f}, {0.12 + 0.18 * j + 0.01 * rng.random():.4f}, {0.07 + 0.012 * rng.random():.4f}"
-            bodies += f"bodyDisk({place}, 2); " if kind == "disk" else f"bodyEllipse({place}, {0.045 + 0.01 * rng.random():.4f}, {3 * rng.random():.3f}, 2); "
-    freefem_text(case(bodies, mu=0.002, gravity=-10), "-dt", 0.004, "-tend", 1.2, "-every", 0, "-budget", 1, "-out", tmp_path / "run")
-    run = RunFolder(tmp_path / "run")
-    budget = run.table("budget")
-    weight = abs(np.diff(budget["weight_y"])).max()
-    off = np.diff(budget["momentum_y"] - budget["walls_y"] - budget["weight_y"]) / weight
-    assert run.fluid["contacts"].max() > 12 and run.fluid["worst_gap"].min() > -1e-8
-    assert abs(off[20:]).max() < off_by and abs(off[20:].sum()) < 1.5  # before: impulsive start of all twenty
-    forces = calm_impulses(run) / weight
-    assert len(forces) > 100 and forces.max() < calm
+@pytest.mark.parametrize("kind, seeds, off_by, mean, most", [("disk", (5, 6, 7, 8), 0.05, 0.22, 0.3), ("ellipse", (5,), 0.2, 0.16, 0.16)])
+def test_a_settling_heap_keeps_its_momentum_in_each_step(kind, seeds, off_by, mean, most, freefem_text, tmp_path):
+    """Less the impulses of weight and walls, over that of the weight in a step: 0.03 and 0.10 (1.1 and 0.5 when gentle collisions kept the jumps of the projection, 0.17 when
+    contacts could pull, 0.05 to 0.08 when the pressure between disks was rough). The largest contact force between collisions varies with the seed of the disks' places:
+    0.21, 0.15, 0.25, 0.11 (0.15, 0.40, 0.37, 0.14 with the rough pressure); of ellipses 0.13 (0.15)."""
+    calm = []
+    for seed in seeds:
+        rng = np.random.default_rng(seed)
+        bodies = ""
+        for j in range(4):
+            for i in range(5):
+                place = f"{0.14 + 0.18 * i + 0.02 * (j % 2) + 0.01 * rng.random():.4f}, {0.12 + 0.18 * j + 0.01 * rng.random():.4f}, {0.07 + 0.012 * rng.random():.4f}"
+                bodies += f"bodyDisk({place}, 2); " if kind == "disk" else f"bodyEllipse({place}, {0.045 + 0.01 * rng.random():.4f}, {3 * rng.random():.3f}, 2); "
+        freefem_text(case(bodies, mu=0.002, gravity=-10), "-dt", 0.004, "-tend", 1.2, "-every", 0, "-budget", 1, "-out", tmp_path / f"run{seed}")
+        run = RunFolder(tmp_path / f"run{seed}")
+        budget = run.table("budget")
+        weight = abs(np.diff(budget["weight_y"])).max()
+        off = np.diff(budget["momentum_y"] - budget["walls_y"] - budget["weight_y"]) / weight
+        assert run.fluid["contacts"].max() > 12 and run.fluid["worst_gap"].min() > -1e-8
+        assert abs(off[20:]).max() < off_by and abs(off[20:].sum()) < 1.5  # before: impulsive start of all twenty
+        forces = calm_impulses(run) / weight
+        assert len(forces) > 100
+        calm.append(forces.max())
+    assert np.mean(calm) < mean and max(calm) < most
 
 
 @pytest.mark.parametrize("speed", [1.9, 2.1])

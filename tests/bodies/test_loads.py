@@ -2,9 +2,9 @@
 import numpy as np
 import pytest
 
-from tests.bodies.test_boundaries import case
-from tests.bodies.test_given_motion import force
-from tools.run_folder import RunFolder
+from tests.scenes import case
+from tests.tables import force
+from tools.base.run_folder import RunFolder
 
 
 def scene(bodies, loads, mu=0.05, gravity=0, **sides):

@@ -2,9 +2,8 @@
 import numpy as np
 import pytest
 
-from tests.bodies.test_boundaries import case
-from tests.bodies.test_against_body_fitted import RING, SIDES, STREAM
-from tools.run_folder import RunFolder
+from tests.scenes import RING, SIDES, STREAM, case
+from tools.base.run_folder import RunFolder
 
 # the middle of the ellipse stands off the midline of a channel of 4 by 1, where the stream shears it
 PLACE, LONG, SHORT, MU = (1.2, 0.42), 0.2, 0.12, 0.02

@@ -4,8 +4,9 @@ import json
 import numpy as np
 import pytest
 
-from conftest import make_mesh, run_freefem
-from tools.run_folder import RunFolder
+from tests.conftest import make_mesh, run_freefem
+from tests.tables import distances_to_segments
+from tools.base.run_folder import RunFolder
 
 CASE = "cases/pipe_obstacles.edp"
 SHORT = ["-tend", "0.5", "-number", "12", "-first", "0", "-ramp", "0.05", "-every", "0.005"]
@@ -34,13 +35,6 @@ def solid_segments(mesh):
     edges = np.array(words[at + 2 : at + 2 + 3 * count], int).reshape(-1, 3)
     edges = edges[np.isin(edges[:, 2], [3, 4, 5])]
     return points[edges[:, 0] - 1], points[edges[:, 1] - 1]
-
-
-def distances_to_segments(x, y, a, b):
-    """(points, segments): distance of each point to each of the segments a-b, m."""
-    p = np.column_stack([x, y])[:, None, :]
-    along = np.clip(((p - a) * (b - a)).sum(2) / ((b - a) ** 2).sum(1), 0, 1)
-    return np.sqrt(((p - a - along[..., None] * (b - a)) ** 2).sum(2))
 
 
 def test_the_run_leaves_its_files(short_run):
@@ -198,7 +192,7 @@ def test_a_folder_that_holds_a_run_is_not_overwritten(coarse, tmp_path):
 
 @pytest.mark.parametrize("name", sorted(__import__("cases").CASES))
 def test_every_case_runs_a_few_steps(name, tmp_path):
-    from cases import CASES, COARSER
+    from tests.cases import CASES, COARSER
 
     mesh = ["-mesh", make_mesh(tmp_path / "coarser.mesh", name, *COARSER[name])] if name in COARSER else []
     run = run_freefem(f"cases/{name}.edp", *CASES[name], *mesh, "-out", tmp_path / "run", timeout=600)

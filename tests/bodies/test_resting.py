@@ -2,8 +2,8 @@
 import numpy as np
 import pytest
 
-from tests.bodies.test_boundaries import case
-from tools.tables import read_table
+from tests.scenes import case
+from tools.base.tables import read_table
 
 EXCESS = 0.5 * np.pi * 0.12**2  # weight less buoyancy of a disk of density 1.5, N/m
 BODIES = {

@@ -3,11 +3,10 @@ import numpy as np
 import pytest
 
 from tests.conftest import run_freefem
-from tests.bodies.test_boundaries import case
-from tests.suite.test_restart import broken_off
-from tests.bodies.test_same_scene import write_moved
-from tools.mesh_files import read_mesh
-from tools.run_folder import RunFolder
+from tests.scenes import case, write_moved
+from tests.tables import broken_off
+from tools.base.mesh_files import read_mesh
+from tools.base.run_folder import RunFolder
 
 # A mesh without symmetry; a wall on three sides, a plane of symmetry on the fourth.
 BOX = """

@@ -3,59 +3,13 @@ import numpy as np
 import pytest
 
 from tests.conftest import run_freefem, standard_alone
-from tests.bodies.test_boundaries import case
-from tools.mesh_files import read_mesh
+from tests.scenes import SCENE, case, turned, write_moved
+from tools.base.run_folder import RunFolder
 from tools.meshing.medit import write
 from tools.meshing.plane_mesh import PlaneMesh
-from tools.run_folder import RunFolder
 
-CHANNEL = """
-border below(s = 0, 4) {{ x = s; y = 0; label = 3; }}
-border out(s = 0, 2) {{ x = 4; y = s; label = 2; }}
-border above(s = 4, 0) {{ x = s; y = 2; label = 14; }}
-border into(s = 2, 0) {{ x = 0; y = s; label = 1; }}
-savemesh(buildmesh(below(36) + out(18) + above(36) + into(18)), "{file}");
-"""
-# A stream with disks and an ellipse that fall, touch the walls and leave; lengths, densities and times in units of the scene.
-SCENE = """
-include "lib/case.idp"
-optCase("same_scene", "a scene of tests/bodies/test_same_scene.py");
-optDefault("-dt", "{dt:.17g}");
-optDefault("-tend", "{end:.17g}");
-optDefault("-every", "{every:.17g}");
-real unit = {unit:.17g}, rhoFluid = {density:.17g}, mu = {viscosity:.17g}*rhoFluid*unit^2, gravityX = {gravity[0]:.17g}, gravityY = {gravity[1]:.17g};
-include "lib/mesh/labels.idp"
-int[int] flowNoSlip = [{walls}], flowMoving = [labelInlet], flowOutlet = [labelOutlet], flowSlip{slip};
-func real up(real a, real b) {{ return (a - {origin[0]:.17g})/unit*{turn[0][1]:.17g} + (b - {origin[1]:.17g})/unit*{turn[1][1]:.17g}; }}
-macro boundaryU() ({stream[0]:.17g}*up(x, y)*(2 - up(x, y))) // EOM
-macro boundaryV() ({stream[1]:.17g}*up(x, y)*(2 - up(x, y))) // EOM
-func real boundaryRamp(real t) {{ return min(1., t/{ramp:.17g}); }}
-real flowPeriodX = 0, flowPeriodY = 0, motionBound = 1e30;
-macro caseParticles() {{
-{bodies}
-}} // EOM
-include "scripts/resolved.edp"
-"""
 # centre, semi-axes, angle, density over the fluid's
 BODIES = [(0.6, 1.5, 0.2, 0.2, 0, 1.2), (3.413, 0.7, 0.2, 0.2, 0, 0.9), (1.5, 1.03, 0.35, 0.2, 0.8, 1.5), (2.48, 1.5, 0.15, 0.15, 0, 3.0), (1.0, 0.41, 0.2, 0.2, 0, 5.0)]
-
-
-def turned(angle):
-    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-
-
-@pytest.fixture(scope="module")
-def channel(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("channel")
-    (folder / "mesh.edp").write_text(CHANNEL.format(file=folder / "channel.mesh"))
-    run_freefem(folder / "mesh.edp")
-    return read_mesh(folder / "channel.mesh")
-
-
-def write_moved(mesh, path, turn, unit=1.0, origin=(0.0, 0.0)):
-    """Writes a mesh turned or mirrored, in another unit and about another origin; its triangles keep their sense."""
-    triangles = mesh.triangles[:, ::-1] if np.linalg.det(turn) < 0 else mesh.triangles
-    write(PlaneMesh(mesh.points @ np.transpose(turn) * unit + np.asarray(origin), triangles, mesh.edges, mesh.labels), path)
 
 
 def motion(channel, folder, turn=np.eye(2), origin=(0.0, 0.0), unit=1.0, second=1.0, density=1.0, slip=False):

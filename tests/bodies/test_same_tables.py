@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 
 from tests.conftest import run_freefem
-from tests.bodies.test_same_scene import SCENE, channel, turned, write_moved  # noqa: F401
-from tools.run_folder import RunFolder
+from tests.scenes import SCENE, turned, write_moved
+from tools.base.run_folder import RunFolder
 
 # what the case calls, centre, semi-axes, angle, density over the fluid's, due at
 BODIES = [("body", 0.6, 1.5, 0.2, 0.2, 0, 1.2, 0), ("body", 3.413, 0.7, 0.2, 0.2, 0, 0.9, 0), ("bodyPinned", 1.5, 1.03, 0.35, 0.2, 0.8, 1.5, 0), ("body", 2.48, 1.5, 0.15, 0.15, 0, 3.0, 0),

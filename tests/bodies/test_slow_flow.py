@@ -1,9 +1,9 @@
 """Bodies in flows without inertia, where viscosity crosses them many times within a step."""
 import numpy as np
 
-from tests.bodies.test_boundaries import case
-from tests.flow.test_flow import mesh
-from tools.tables import read_table
+from tests.conftest import mesh
+from tests.scenes import case
+from tools.base.tables import read_table
 
 # A disk of 0.3 of a channel's width, nearer to the lower wall; mu dt/(rho R^2) = 44 with a step of 0.01 s.
 CHANNEL = """

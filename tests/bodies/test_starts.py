@@ -3,9 +3,9 @@ import numpy as np
 import pytest
 from scipy.linalg import solve_banded
 
-from tests.bodies.test_boundaries import case
-from tools.mesh_files import read_field
-from tools.run_folder import RunFolder
+from tests.scenes import case
+from tools.base.mesh_files import read_field
+from tools.base.run_folder import RunFolder
 
 BOX = """
 include "lib/case.idp"

@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 
 from tests.conftest import standard_alone
-from tests.bodies.test_boundaries import case
-from tests.suite.test_restart import broken_off
+from tests.scenes import case
+from tests.tables import broken_off
 
 TRIALS = 60
 BODIES = "{ bodyDisk(0.2, 0.2, 0.15, 2.5); bodyDisk(0.8, 0.2, 0.14, 0.4); bodyHeld(bodyEllipse(0.22, 0.78, 0.16, 0.12, 0.3, 0.7)); bodyPinned(bodyEllipse(0.78, 0.78, 0.18, 0.14, 0.3, 3)); bodyDisk(0.5, 0.45, 0.16, 1); }"

@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 
 from tests.conftest import standard_alone
-from tests.bodies.test_boundaries import PERIODIC, case
-from tests.immersed.test_body_nodes import rows
+from tests.scenes import PERIODIC, case
+from tests.tables import rows
 
 ROOM = """
 include "lib/bodies/waiting.idp"

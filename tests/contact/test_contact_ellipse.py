@@ -5,9 +5,9 @@ from scipy.optimize import minimize
 from scipy.spatial import cKDTree
 
 from tests.conftest import make_mesh
-from tests.bodies.test_boundaries import case
-from tests.immersed.test_body_nodes import rows
-from tools.run_folder import RunFolder
+from tests.scenes import case
+from tests.tables import outline, rows
+from tools.base.run_folder import RunFolder
 
 # x, y, angle, semi-major axis, minor over major
 BODIES = [(0.0, 0.0, 0.4, 1.0, 0.4), (1.5, 0.9, -0.7, 0.8, 0.5), (-1.1, 1.3, 1.9, 0.9, 0.3), (0.6, -1.3, 0.0, 0.5, 1.0), (-1.6, -0.7, 2.6, 0.7, 0.15)]
@@ -47,12 +47,6 @@ def scene(bodies=BODIES, walls=WALLS, mass=MASS, moment=MOMENT, speed=SPEED, per
         text = text.replace(f" = {name},", f" = {list(map(float, values))},")
     text = text.replace(" = W;", f" = {[float(s[2]) for s in speed]};").replace("PERIOD", str(period))
     return text.replace("WALLS", "\n".join(f"contactWallSegment({a}, {b}, {c}, {d});" for a, b, c, d in walls)) + more
-
-
-def outline(x, y, turn, a, aspect, angles):
-    """Points on an ellipse."""
-    px, py = a * np.cos(angles), a * aspect * np.sin(angles)
-    return np.array([x + np.cos(turn) * px - np.sin(turn) * py, y + np.sin(turn) * px + np.cos(turn) * py])
 
 
 def apart(one, two):

@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 from scipy.optimize import isotonic_regression
 
-from tools.contact_problems import Scene, constraints, packing, project, read_scene, residual
-from tools.command import BadInput
+from tools.base.command import BadInput
+from tools.peers.contact_problems import Scene, constraints, packing, project, read_scene, residual
 
 DATA = "tests/data/contact/random_{}_{}.csv"
 SOLVERS = ["newton", "accelerated", "uzawa"]

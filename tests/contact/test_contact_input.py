@@ -2,8 +2,8 @@
 import numpy as np
 import pytest
 
-from tools.contact_problems import Scene, box, project
-from tools.command import BadInput
+from tools.base.command import BadInput
+from tools.peers.contact_problems import Scene, box, project
 
 SCRIPT = "scripts/project_velocities.edp"
 GOOD = ["0,0.1,0.1,0.01,1,0,0", "1,0.2,0.1,0.01,1,0,0"]

@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from tests.contact.test_wall_bends import write_walls
+from tests.scenes import write_walls
 
 SCRIPT = """
 include "lib/contact/contact.idp"

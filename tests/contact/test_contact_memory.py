@@ -1,7 +1,7 @@
 """What contacts keep from step to step, lists of who is near, who need not be looked at, impulses: nothing may hang on it but time."""
 import pytest
 
-from tests.immersed.test_body_nodes import rows
+from tests.tables import rows
 
 HEAD = """
 include "lib/contact/contact.idp"

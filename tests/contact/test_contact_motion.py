@@ -2,20 +2,8 @@
 import numpy as np
 import pytest
 
-from tools.tables import read_table
-
-SCENE = """
-include "lib/bodies/bodies.idp"
-include "lib/contact/walls.idp"
-optCase("scene", "a scene of a test");
-real gravityX = 0, gravityY = {gravity};
-func int sceneWalls() {{ {walls} return 0; }}
-func int sceneBodies() {{ {bodies} return 0; }}
-macro caseWalls() sceneWalls(); // EOM
-macro caseParticles() sceneBodies(); // EOM
-{more}
-include "scripts/contacts.edp"
-"""
+from tests.scenes import CONTACTS
+from tools.base.tables import read_table
 
 
 @pytest.fixture
@@ -23,7 +11,7 @@ def run_scene(freefem_text, tmp_path):
     """Runs a scene; returns (particles as a dict id -> columns, folder)."""
 
     def run(bodies, walls="", gravity=-9.81, more="", name="run", **options):
-        text = SCENE.format(bodies=bodies, walls=walls, gravity=gravity, more=more)
+        text = CONTACTS.format(bodies=bodies, walls=walls, gravity=gravity, more=more)
         words = [w for key, value in options.items() for w in ("-" + key.replace("_", "-"), value)]
         freefem_text(text, "-out", tmp_path / name, *words)
         table = read_table(tmp_path / name / "particles.csv")
@@ -327,7 +315,7 @@ include "scripts/contacts.edp"
 
 
 def test_walls_that_move_are_written_where_they_are(freefem_text, tmp_path):
-    from tools.plot_contacts import ContactRun
+    from tools.plot.contacts import ContactRun
     freefem_text(GATE, "-tend", 0.5, "-every", 0.1, "-out", tmp_path / "run")
     run = ContactRun(tmp_path / "run")
     np.testing.assert_allclose(run.walls_at(0.0), run.walls)
@@ -338,7 +326,7 @@ def test_walls_that_move_are_written_where_they_are(freefem_text, tmp_path):
 
 def test_contacts_end_at_the_end(freefem_text, tmp_path):
     freefem_text(GATE, "-dt", 0.03, "-tend", 0.1, "-out", tmp_path / "run")
-    from tools.tables import read_table
+    from tools.base.tables import read_table
     assert read_table(tmp_path / "run/motion.csv")["t"][-1] == pytest.approx(0.1, rel=1e-12)
 
 

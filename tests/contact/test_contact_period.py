@@ -3,10 +3,10 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 
-from tests.immersed.test_body_nodes import rows
-from tools.command import ROOT, BadInput
-from tools.contact_problems import Rows, Scene, constraints, project, qp_piqp, scaled
-from tools.run_folder import RunFolder
+from tests.tables import rows
+from tools.base.command import ROOT, BadInput
+from tools.base.run_folder import RunFolder
+from tools.peers.contact_problems import Rows, Scene, constraints, project, qp_piqp, scaled
 
 SIDE = np.array([0.30, 0.22])
 # a plate along the period, a slanted one up to the seam, spikes that cross it; LONG: slanted, almost as long as the period

@@ -5,8 +5,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from tools.command import BadInput
-from tools.contact_problems import Scene, box, constraints, packing, project, qp_piqp, residual, scaled
+from tools.base.command import BadInput
+from tools.peers.contact_problems import Scene, box, constraints, packing, project, qp_piqp, residual, scaled
 
 FEW = settings(max_examples=12, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 

@@ -2,8 +2,7 @@
 import numpy as np
 import pytest
 
-from tests.contact.test_contact_ellipse import outline
-from tests.immersed.test_body_nodes import rows
+from tests.tables import outline, rows
 
 DT, TOL = 0.01, 1e-10
 MANY = """

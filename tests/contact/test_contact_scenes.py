@@ -2,11 +2,11 @@
 import numpy as np
 import pytest
 
-from tests.contact.test_contact_motion import SCENE
-from tools.contact_problems import Scene
-from tools.plot_contacts import ContactRun, make_film, plot_chains, plot_frames
-from tools.run_folder import RunFolder
-from tools.tables import read_table
+from tests.scenes import CONTACTS
+from tools.base.run_folder import RunFolder
+from tools.base.tables import read_table
+from tools.peers.contact_problems import Scene
+from tools.plot.contacts import ContactRun, make_film, plot_chains, plot_frames
 
 
 @pytest.fixture
@@ -14,7 +14,7 @@ def contacts(freefem_text, tmp_path):
     """Runs a scene of contacts alone; returns its folder, or what a refused one says."""
 
     def run(bodies, walls="", *words, gravity=0, more="", name="run", check=True):
-        text = SCENE.format(bodies=bodies, walls=walls, gravity=gravity, more=more).replace('include "lib/contact/walls.idp"', 'include "lib/contact/walls.idp"\ninclude "lib/contact/periodic.idp"')
+        text = CONTACTS.format(bodies=bodies, walls=walls, gravity=gravity, more=more).replace('include "lib/contact/walls.idp"', 'include "lib/contact/walls.idp"\ninclude "lib/contact/periodic.idp"')
         done = freefem_text(text, *words, "-out", tmp_path / name, check=check)
         return tmp_path / name if check else done
 
@@ -118,7 +118,7 @@ def test_a_wall_within_a_period_is_one_wall(contacts, gravity):
 ])
 def test_held_disks_that_overlap_are_told_once(freefem_text, tmp_path, bodies, walls):
     """They went through each other without a word, and the least gap was that of the others."""
-    text = SCENE.format(bodies=bodies + " bodyDisk(0, 2, 0.1, 1);", walls=walls, gravity=0, more="")
+    text = CONTACTS.format(bodies=bodies + " bodyDisk(0, 2, 0.1, 1);", walls=walls, gravity=0, more="")
     done = freefem_text(text, "-dt", 0.01, "-tend", 0.25, "-every", 0.01, "-out", tmp_path / "run")
     assert (done.stdout + done.stderr).count("warning: prescribed motions make bodies overlap") == 1
     gaps = read_table(tmp_path / "run/motion.csv")["worst_gap"]

@@ -2,8 +2,9 @@
 import numpy as np
 import pytest
 
-from tests.bodies.test_pipe import distances_to_segments
-from tools.run_folder import RunFolder
+from tests.scenes import write_walls
+from tests.tables import distances_to_segments
+from tools.base.run_folder import RunFolder
 
 RING = """
 include "lib/bodies/bodies.idp"
@@ -84,10 +85,6 @@ def wavy(rng, seed):
     flip = rng.random(len(ends)) < 0.5
     ends[flip] = ends[flip][:, [2, 3, 0, 1]]
     return ends[rng.permutation(len(ends))]
-
-
-def write_walls(file, ends):
-    file.write_text("x1,y1,x2,y2\n" + "".join(",".join(f"{value:.17g}" for value in row) + "\n" for row in ends))
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -6,9 +6,9 @@ import subprocess
 
 import pytest
 
-from conftest import FREEFEM, ROOT, run_freefem
-from tests.bodies.test_boundaries import case
-from tests.core.test_faults import assert_refused, assert_whole_rows, run
+from tests.conftest import FREEFEM, ROOT, run_freefem, run_limited
+from tests.scenes import case
+from tests.tables import assert_refused, assert_whole_rows
 
 # A crowd that a stream carries out of the box; in the third step, when the mesh has long been written, there is no more room.
 CROWD = "for (int k = 0; k < 54; ++k) bodyAdd(0.93 - 0.1*(k/9), 0.1 + 0.1*(k % 9), 0.035, 1, 1, 0, 0, 1);"
@@ -62,7 +62,7 @@ def test_who_touches_when_a_file_may_not_grow(tmp_path):
     """Rows of contacts.csv were lost without a word, the last one cut."""
     (tmp_path / "scene.edp").write_text(LATTICE)
     words = [tmp_path / "scene.edp", "-tend", 0.3, "-every", 0, "-out"]
-    done = run(*words, tmp_path / "run", most=30_000)
+    done = run_limited(*words, tmp_path / "run", most=30_000)
     assert_ended(done, tmp_path / "run", "contacts", 300)
     run_freefem(*words, tmp_path / "free")
     cut, free = ((tmp_path / name / "contacts.csv").read_text() for name in ("run", "free"))
@@ -74,7 +74,7 @@ def test_projected_velocities_that_do_not_fit_are_told(more, tmp_path):
     """The script ended with status 0."""
     bodies = tmp_path / "bodies.csv"
     bodies.write_text("id,x,y,radius,mass,u,v\n" + "".join(f"{k},{0.2 * k:.3g},0,0.1,{1 + k % 7},{-k},0.{k}\n" for k in range(90)))
-    done = run("scripts/project_velocities.edp", "-bodies", bodies, *[word.format(tmp_path) for word in more], most=2600)
+    done = run_limited("scripts/project_velocities.edp", "-bodies", bodies, *[word.format(tmp_path) for word in more], most=2600)
     assert_refused(done, (3,), f"cannot write {more[-1].format(tmp_path)} (is the disk full?)")
 
 

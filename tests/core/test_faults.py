@@ -6,18 +6,16 @@ there is lost. FAULT_EXAMPLES sets the number of fuzzed command lines a driver (
 import json
 import os
 import re
-import resource
 import shutil
-import signal
 import subprocess
 import time
 from functools import lru_cache
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
-from conftest import FREEFEM, ROOT, run_freefem
+from tests.conftest import FREEFEM, ROOT, make_mesh, run_freefem, run_limited
+from tests.tables import assert_refused, assert_whole_rows
 
 SETTLING = ["cases/settling_disk.edp", "-dt", "0.002", "-tolerance", "1e-4"]
 FALLING = ["cases/falling_particles.edp", "-number", "10", "-dt", "0.01", "-every", "0"]
@@ -27,38 +25,12 @@ EXAMPLES = int(os.environ.get("FAULT_EXAMPLES", "4"))
 @pytest.fixture(scope="module")
 def box(tmp_path_factory):
     """A coarse mesh of the settling disk's box: (path, text)."""
-    path = tmp_path_factory.mktemp("box") / "box.mesh"
-    command = [str(ROOT / ".venv/bin/python") if (ROOT / ".venv/bin/python").exists() else "python3", "-m", "tools.mesh", "settling_disk", "--size", "0.125", "--out", str(path)]
-    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+    path = make_mesh(tmp_path_factory.mktemp("box") / "box.mesh", "settling_disk", "--size", 0.125)
     return path, path.read_text()
 
 
-def run(*words, most=None, timeout=120):
-    """FreeFem++ on the words; most: bytes a file may hold, as on a disk that is full beyond."""
-    def limit():
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
-    return subprocess.run([FREEFEM, "-nw", *map(str, words)], cwd=ROOT, env=os.environ | {"OPENBLAS_NUM_THREADS": "1"}, capture_output=True, text=True,
-                          errors="replace", timeout=timeout, preexec_fn=limit if most else None)
-
-
-def assert_refused(done, statuses, says=""):
-    """A status of the project and one line that says what is wrong."""
-    assert done.returncode in statuses, f"status {done.returncode}\n{done.stdout[-800:]}\n{done.stderr[-800:]}"
-    lines = done.stderr.splitlines()
-    assert len(lines) == 1 and lines[0].startswith("error: ") and says in lines[0], done.stderr
-
-
-def assert_whole_rows(path):
-    """Every row has the header's columns and its end."""
-    text = path.read_text()
-    rows = text.splitlines()
-    assert text.endswith("\n") and len(rows) > 1
-    assert {row.count(",") for row in rows} == {rows[0].count(",")}, path.name
-
-
 def test_a_full_disk_ends_a_run_with_whole_rows(tmp_path):
-    done = run(*FALLING, "-tend", "3", "-out", tmp_path / "run", most=60_000)
+    done = run_limited(*FALLING, "-tend", "3", "-out", tmp_path / "run", most=60_000)
     assert_refused(done, (4,), "is the disk full?")
     assert "particles.csv" in done.stderr
     for name in ("particles.csv", "motion.csv"):
@@ -87,7 +59,7 @@ def test_a_full_disk_at_a_checkpoint_loses_nothing(box, tmp_path):
     killed.kill()
     killed.wait()
     before = checkpoints(folder)
-    done = run(*scene, "-restart", folder, most=max(map(len, before.values())) // 2)
+    done = run_limited(*scene, "-restart", folder, most=max(map(len, before.values())) // 2)
     assert_refused(done, (4,), "cannot write the checkpoint")
     assert checkpoints(folder) == before
     assert json.loads((folder / "run.json").read_text())["status"] == "failed (4)" and not (folder / ".writer").exists()
@@ -96,19 +68,19 @@ def test_a_full_disk_at_a_checkpoint_loses_nothing(box, tmp_path):
 
 
 def test_fields_that_do_not_fit_are_not_left_half_written(box, tmp_path):
-    done = run(*SETTLING, "-mesh", box[0], "-tend", "0.01", "-fields", "0.002", "-out", tmp_path / "run", most=len(box[1]) + 1000)
+    done = run_limited(*SETTLING, "-mesh", box[0], "-tend", "0.01", "-fields", "0.002", "-out", tmp_path / "run", most=len(box[1]) + 1000)
     assert_refused(done, (4,), "fields_0000000.vtu")
     assert not list((tmp_path / "run").glob("*.vtu"))
 
 
 def test_a_folder_that_cannot_be_made_or_holds_no_room(box, tmp_path):
     (tmp_path / "file").write_text("mine")
-    done = run(*SETTLING, "-mesh", box[0], "-out", tmp_path / "file" / "run")
+    done = run_limited(*SETTLING, "-mesh", box[0], "-out", tmp_path / "file" / "run")
     assert_refused(done, (3,), "cannot write to the folder")
-    done = run(*SETTLING, "-mesh", box[0], "-out", tmp_path / "file")
+    done = run_limited(*SETTLING, "-mesh", box[0], "-out", tmp_path / "file")
     assert_refused(done, (3,), "cannot write to the folder")
     assert (tmp_path / "file").read_text() == "mine"
-    done = run(*SETTLING, "-mesh", box[0], "-out", tmp_path / "run", most=2000)
+    done = run_limited(*SETTLING, "-mesh", box[0], "-out", tmp_path / "run", most=2000)
     assert_refused(done, (3,), "mesh.mesh")
     assert not (tmp_path / "run" / "mesh.mesh").exists()
 
@@ -145,7 +117,7 @@ def with_row(text, section, change):
 def test_a_damaged_mesh_is_refused_in_words(box, fault, tmp_path):
     section, change, says = MESH_FAULTS[fault]
     (tmp_path / "bad.mesh").write_text(with_row(box[1], section, change))
-    assert_refused(run(*SETTLING, "-mesh", tmp_path / "bad.mesh", "-out", tmp_path / "run"), (3,), says)
+    assert_refused(run_limited(*SETTLING, "-mesh", tmp_path / "bad.mesh", "-out", tmp_path / "run"), (3,), says)
     assert not (tmp_path / "run").exists()
 
 
@@ -153,13 +125,13 @@ def test_a_damaged_mesh_is_refused_in_words(box, fault, tmp_path):
     (lambda text: text[:len(text) // 2], "not a number"),
     (lambda text: text[:text.index("Edges")], "ends too early"),
     (lambda text: "", "not a .mesh file"),
-    (lambda text: "\x00\x01\x02\n" * 100, "not a .mesh file"),
+    (lambda text: "\x00\x01\x02\n" * 100, "no plain text"),
     (lambda text: re.sub(r"^(\d+ \d+) \d+$", r"\1 77", text, flags=re.M), "label 77"),
     (lambda text: re.sub(r"^(\d+ \d+) \d+$", r"\1 0", text, flags=re.M), "label 0"),
 ], ids=["cut", "no edges", "empty", "binary", "unknown labels", "no labels"])
 def test_a_truncated_or_unlabelled_mesh_is_refused(box, make, says, tmp_path):
     (tmp_path / "bad.mesh").write_text(make(box[1]))
-    assert_refused(run(*SETTLING, "-mesh", tmp_path / "bad.mesh", "-out", tmp_path / "run"), (3,), says)
+    assert_refused(run_limited(*SETTLING, "-mesh", tmp_path / "bad.mesh", "-out", tmp_path / "run"), (3,), says)
 
 
 @pytest.mark.slow
@@ -169,7 +141,7 @@ def test_any_letter_of_a_mesh_may_be_wrong(box, place, what, tmp_path_factory):
     folder = tmp_path_factory.mktemp("letter")
     at = int(place * len(box[1]))
     (folder / "bad.mesh").write_text(box[1][:at] + what + box[1][at + 1:])
-    done = run(*SETTLING, "-mesh", folder / "bad.mesh", "-tend", "0.002", "-out", folder / "run")
+    done = run_limited(*SETTLING, "-mesh", folder / "bad.mesh", "-tend", "0.002", "-out", folder / "run")
     if done.returncode:
         assert_refused(done, (3, 4, 5))
 
@@ -185,12 +157,12 @@ def test_a_mesh_that_does_not_fit_together_is_refused(box, right, wrong, says, t
     if says.startswith("no side"):
         text = text.replace("Edges\n128\n", "Edges\n129\n")
     (tmp_path / "bad.mesh").write_text(text)
-    assert_refused(run(*SETTLING, "-mesh", tmp_path / "bad.mesh", "-out", tmp_path / "run"), (3,), says)
+    assert_refused(run_limited(*SETTLING, "-mesh", tmp_path / "bad.mesh", "-out", tmp_path / "run"), (3,), says)
 
 
 def test_a_file_name_never_reaches_the_shell_unread(tmp_path):
     for option in ("-bodies", "-walls"):
-        assert_refused(run("scripts/project_velocities.edp", option, "'|", "-out", tmp_path / "out.csv"), (3,), "contains characters other than")
+        assert_refused(run_limited("scripts/project_velocities.edp", option, "'|", "-out", tmp_path / "out.csv"), (3,), "contains characters other than")
 
 
 @pytest.mark.parametrize("text, says", [
@@ -201,12 +173,12 @@ def test_a_file_name_never_reaches_the_shell_unread(tmp_path):
     ("id,x,y,radius,density\n0,1,4,0.1\n", "missing or bad number"),
     ("id,x,y,radius,density\n0.5,0.3,1,0.1,2\n", "whole number"),
     ("id,x,y,radius,density,u,v,omega\n5,0.3,1,0.1,2,1e400,0,0\n", "missing or bad number"),
-    ("\x00\x00", "first line"),
+    ("\x00\x00", "no plain text"),
     ("", "first line"),
 ], ids=["nan", "inf", "radius", "density", "short row", "id", "velocity", "binary", "empty"])
 def test_a_damaged_file_of_particles_is_refused(box, text, says, tmp_path):
     (tmp_path / "bad.csv").write_text(text)
-    assert_refused(run(*SETTLING, "-mesh", box[0], "-particles", tmp_path / "bad.csv", "-out", tmp_path / "run"), (3,), says)
+    assert_refused(run_limited(*SETTLING, "-mesh", box[0], "-particles", tmp_path / "bad.csv", "-out", tmp_path / "run"), (3,), says)
 
 
 def test_a_field_that_is_not_finite_stops_the_run(box, tmp_path):
@@ -214,7 +186,7 @@ def test_a_field_that_is_not_finite_stops_the_run(box, tmp_path):
     hook = "macro caseStart() flowU[5] = sqrt(-1. - flowNw); // EOM\n"
     script = tmp_path / "nan.edp"
     script.write_text(text.replace('include "scripts/resolved.edp"', hook + 'include "scripts/resolved.edp"'))
-    assert_refused(run(script, *SETTLING[1:], "-mesh", box[0], "-out", tmp_path / "run"), (4,))
+    assert_refused(run_limited(script, *SETTLING[1:], "-mesh", box[0], "-out", tmp_path / "run"), (4,))
 
 
 def test_a_run_whose_checkpoints_are_all_damaged_is_left_alone(box, tmp_path):
@@ -225,7 +197,7 @@ def test_a_run_whose_checkpoints_are_all_damaged_is_left_alone(box, tmp_path):
         data[len(data) // 2] ^= 0x15
         path.write_bytes(bytes(data))
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
-    assert_refused(run(*scene, "-restart", folder), (3,), "no complete checkpoint")
+    assert_refused(run_limited(*scene, "-restart", folder), (3,), "no complete checkpoint")
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 
@@ -233,7 +205,7 @@ def test_a_run_whose_checkpoints_are_all_damaged_is_left_alone(box, tmp_path):
 def test_more_steps_than_can_be_done_are_refused(box, driver, tmp_path):
     words = [*DRIVERS[driver], *(["-mesh", box[0]] if driver == "resolved" else [])]
     at = words.index("-dt") if "-dt" in words else len(words)
-    assert_refused(run(*words[:at], *words[at + 2:], "-dt", "1e-300", "-out", tmp_path / "run"), (3,), "more than 1e9")
+    assert_refused(run_limited(*words[:at], *words[at + 2:], "-dt", "1e-300", "-out", tmp_path / "run"), (3,), "more than 1e9")
 
 
 # Every option of every driver, with values of the wrong kind and size.
@@ -275,7 +247,7 @@ def check_nonsense(driver, data, box, folder):
     target = ["-out", str(folder / ("projected.csv" if driver == "projection" else "run"))]
     shutil.rmtree(folder / "run", ignore_errors=True)
     try:
-        done = run(*words, option, value, *target, timeout=ABANDONED)
+        done = run_limited(*words, option, value, *target, timeout=ABANDONED)
     except subprocess.TimeoutExpired as stopped:
         assert b"writing to" in (stopped.stdout or b""), f"{option} {value!r}: neither accepted nor refused"
         return

@@ -3,7 +3,7 @@ import re
 
 import pytest
 
-from conftest import ROOT
+from tests.conftest import ROOT
 
 TRANSPORT = """include "lib/case.idp"
 optCase("finite", "test");

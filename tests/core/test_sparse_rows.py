@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from tests.immersed.test_body_nodes import rows
+from tests.tables import rows
 
 ASK = """
 include "lib/core/sparse_rows.idp"

@@ -2,9 +2,9 @@
 import numpy as np
 import pytest
 
-from conftest import ROOT
-from tools.mesh import main as make_mesh
-from tools.run_folder import RunFolder
+from tests.conftest import ROOT
+from tools.base.run_folder import RunFolder
+from tools.meshing.main import main as make_mesh
 
 CASE = "cases/branching_channel.edp"
 # The same flow by another way: Stokes' equations all at once, the outlets' condition that of the weak form.

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from tests.conftest import ROOT
-from tests.immersed.test_body_nodes import rows, script
+from tests.scenes import script
+from tests.tables import rows
 
 ASK = """
 include "lib/scheme/coarse_correction.idp"

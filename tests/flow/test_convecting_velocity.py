@@ -1,12 +1,11 @@
 """The extrapolated convecting velocity (lib/flow/convecting_velocity.idp): a NumPy twin, and flows that steps of more than an element spoiled without it."""
-
 import numpy as np
 import pytest
 
-from conftest import make_mesh, run_freefem
-from tests.immersed.test_body_nodes import rows
-from tools.extrema import vortices
-from tools.tables import read_table
+from tests.conftest import make_mesh, run_freefem
+from tests.tables import rows
+from tools.base.tables import read_table
+from tools.study.extrema import vortices
 
 # A channel with walls below, a plane of symmetry above, an inlet and an outlet; three states with steps of 0.1 s, and a velocity FAST
 # that sets the number of elements per step. Sides: 1 below, 2 right, 3 above, 4 left.

@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from tests.immersed.test_body_nodes import rows
+from tests.tables import rows
 
 SCENE = """
 include "lib/mesh/labels.idp"

@@ -2,8 +2,9 @@
 import numpy as np
 import pytest
 
-from tests.immersed.test_body_nodes import rows, script
-from tools.run_folder import RunFolder
+from tests.scenes import script
+from tests.tables import rows
+from tools.base.run_folder import RunFolder
 
 CELLS = 16
 FIND = """

@@ -4,7 +4,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
-from tests.immersed.test_body_nodes import rows, script
+from tests.scenes import script
+from tests.tables import rows
 
 CENTRE, MOTION, SIZE = (0.47, 0.53), (0.3, -0.2, 0.7), 1 / 16
 ASK = """

@@ -3,11 +3,11 @@ import numpy as np
 import pytest
 
 from tests.conftest import run_freefem
-from tests.bodies.test_boundaries import case, square
-from tools.mesh_files import read_mesh
+from tests.scenes import case, square
+from tools.base.mesh_files import read_mesh
+from tools.base.run_folder import RunFolder
 from tools.meshing.medit import write
 from tools.meshing.plane_mesh import PlaneMesh
-from tools.run_folder import RunFolder
 
 SWAP = {11: "labelLeft", 12: "labelRight", 13: "labelBottom", 14: "labelTop"}
 

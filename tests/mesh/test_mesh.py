@@ -1,19 +1,18 @@
 """Meshes: every recipe, the default files, what FreeFEM makes of them, and refusals."""
 import re
 
-import meshio
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
-from conftest import ROOT, run_tool
-from tools.command import BadInput
-from tools.mesh import make, parser
+from tests.conftest import ROOT, run_tool
+from tests.tables import read_medit
+from tools.base.command import BadInput
 from tools.meshing import CASES
 from tools.meshing.checks import faults
 from tools.meshing.labels import LABELS
-from tools.meshing.plane_mesh import PlaneMesh, edges_of, signed_areas, smallest_angles
+from tools.meshing.main import make, parser
+from tools.meshing.plane_mesh import edges_of, signed_areas, smallest_angles
 
 UNSTRUCTURED = ["channel", "box", "box_corridor", "periodic_box", "couette"]
 
@@ -28,14 +27,6 @@ def command(*words):
     return run_tool("mesh", *words)
 
 
-def read(file):
-    """A .mesh file as a PlaneMesh."""
-    content = meshio.read(file)
-    refs = content.cell_data_dict["medit:ref"]
-    cells = content.cells_dict
-    return PlaneMesh(content.points, cells["triangle"], cells["line"], refs["line"])
-
-
 def corner_triangles(mesh):
     """Number of triangles with two edges on the boundary."""
     edges, count = edges_of(mesh.triangles)
@@ -48,7 +39,7 @@ def corner_triangles(mesh):
 @pytest.mark.parametrize("case", CASES)
 def test_default_mesh_is_sound_and_is_what_the_recipe_makes(case):
     outline, mesh = built(case)
-    file = read(ROOT / "meshes" / f"{case}.mesh")
+    file = read_medit(ROOT / "meshes" / f"{case}.mesh")
     for one in (mesh, file):
         assert faults(one, outline) == []
         assert corner_triangles(one) == 0
@@ -72,7 +63,7 @@ def test_freefem_reads_every_default_mesh_with_its_labels(freefem_text):
     )
     printed = {line.split()[0]: line.split()[1:] for line in freefem_text("cout.precision(12);\n" + script).stdout.splitlines() if line}
     for case in CASES:
-        mesh = read(ROOT / "meshes" / f"{case}.mesh")
+        mesh = read_medit(ROOT / "meshes" / f"{case}.mesh")
         numbers = list(map(float, printed[case]))
         assert numbers[:2] == [len(mesh.points), len(mesh.triangles)]
         assert numbers[2] == pytest.approx(signed_areas(mesh.points, mesh.triangles).sum(), rel=1e-9)
@@ -276,7 +267,7 @@ def test_the_old_file_is_replaced_and_nothing_else_is_left(tmp_path):
     for size in (0.5, 0.25):
         assert command("channel", "--size", size, "--out", file).returncode == 0
     assert [path.name for path in file.parent.iterdir()] == ["a.mesh"]
-    assert len(read(file).points) == 17 * 5
+    assert len(read_medit(file).points) == 17 * 5
 
 
 def test_quality_prints_a_histogram(tmp_path):
@@ -339,4 +330,4 @@ def test_the_template_runs_on_the_mesh_of_its_header(freefem, tmp_path):
     assert make_it[:3] == ["python", "-m", "tools.mesh"] and run_it[:2] == ["FreeFem++", "-nw"]
     assert command(*make_it[3:]).returncode == 0
     freefem(*run_it[2:], "-tend", 0.005, "-out", tmp_path / "run")
-    assert np.ptp(read(tmp_path / "run" / "mesh.mesh").points[:, 0]) == pytest.approx(3)
+    assert np.ptp(read_medit(tmp_path / "run" / "mesh.mesh").points[:, 0]) == pytest.approx(3)

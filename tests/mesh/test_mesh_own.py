@@ -7,12 +7,12 @@ import time
 import numpy as np
 import pytest
 
-from conftest import ROOT
-from tests.mesh.test_mesh import read
+from tests.conftest import ROOT
+from tests.tables import read_medit
+from tools.base.run_folder import RunFolder
 from tools.meshing import unstructured
 from tools.meshing.checks import faults
 from tools.meshing.plane_mesh import edges_of, signed_areas
-from tools.run_folder import RunFolder
 
 # A channel of 3 by 1 with a round hole, and a second surface behind it.
 SCRIPT = """
@@ -44,7 +44,7 @@ def test_a_script_becomes_a_mesh_with_the_labels_of_its_names(tmp_path, freefem_
     done = made(tmp_path, SCRIPT, "--size", 0.1)
     assert done.returncode == 0, done.stderr
     assert re.match(r"warning: 10 edges of physical curves of .* lie within the domain, one from \(3, ", done.stderr)  # the lid
-    mesh = read(tmp_path / "my.mesh")
+    mesh = read_medit(tmp_path / "my.mesh")
     assert faults(mesh, None) == []
     lengths = np.linalg.norm(np.diff(mesh.points[mesh.edges], axis=1)[:, 0], axis=1)
     sums = {int(label): lengths[mesh.edge_labels == label].sum() for label in np.unique(mesh.edge_labels)}
@@ -75,7 +75,7 @@ def test_a_mesh_by_gmsh_gives_the_same(version, tmp_path):
     finally:
         gmsh.finalize()
     assert command("own", "--from", tmp_path / "my.msh", "--out", tmp_path / "a.mesh").returncode == 0
-    mesh = read(tmp_path / "a.mesh")
+    mesh = read_medit(tmp_path / "a.mesh")
     assert faults(mesh, None) == [] and set(mesh.edge_labels) == {1, 2, 3, 6}
     done = command("own", "--from", tmp_path / "my.msh", "--size", 0.1, "--out", tmp_path / "b.mesh")
     assert done.returncode == 3 and "meshed already" in done.stderr
@@ -127,7 +127,7 @@ def edge_lengths(mesh):
 @pytest.mark.parametrize("line, size, largest", [("Mesh.MeshSizeMax = 0.06;", 0.2, 0.09), ("Mesh.MeshSizeFactor = 2;", 0.1, 0.15), ("Mesh.MeshSizeMin = 0.2;", 0.1, 0.15)])
 def test_a_size_bounds_the_elements_and_makes_none_coarser(line, size, largest, tmp_path):
     assert made(tmp_path, SCRIPT + line + "\n", "--size", size).returncode == 0
-    assert edge_lengths(read(tmp_path / "my.mesh")).max() < largest
+    assert edge_lengths(read_medit(tmp_path / "my.mesh")).max() < largest
 
 
 @pytest.mark.parametrize("words", [(), ("--proportional",)])
@@ -136,13 +136,13 @@ def test_a_script_that_meshes_itself_is_meshed_anew_with_a_size(commands, words,
     counts = []
     for text in (SCRIPT, SCRIPT + commands + "\n"):
         assert made(tmp_path, text, "--size", 0.06, *words).returncode == 0
-        counts.append(len(read(tmp_path / "my.mesh").points))
+        counts.append(len(read_medit(tmp_path / "my.mesh").points))
     assert counts[0] == counts[1]
 
 
 def test_a_script_is_scaled_by_its_own_factor(tmp_path):
     assert made(tmp_path, SCRIPT + "Mesh.ScalingFactor = 1000;\n", "--size", 100).returncode == 0
-    mesh = read(tmp_path / "my.mesh")
+    mesh = read_medit(tmp_path / "my.mesh")
     assert np.allclose(np.ptp(mesh.points, axis=0)[:2], [4000, 1000]) and 100 < edge_lengths(mesh).max() < 150
 
 
@@ -154,7 +154,7 @@ def test_the_domain_is_the_physical_surfaces_of_a_script(line, area, tmp_path):
     text = text.replace('("inlet") = {4}', '("inlet") = {4, 20, 21}').replace("{7, 8, 9, -2}", "{7, 20, 21, 9, -2}" if line else "{7, 8, 9, -2}")
     done = made(tmp_path, text + line + "\n", "--size", 0.1)
     assert done.returncode == 0, done.stderr
-    mesh = read(tmp_path / "my.mesh")
+    mesh = read_medit(tmp_path / "my.mesh")
     assert signed_areas(mesh.points, mesh.triangles).sum() == pytest.approx(area, rel=5e-3)
     assert (6 in mesh.edge_labels) == (not line) == ("lie outside the domain" in done.stderr)
 
@@ -187,10 +187,10 @@ def test_all_sizes_of_a_script_shrink_alike(tmp_path):
         counts = []
         for size in (0.12, 0.06, 0.03):
             assert made(tmp_path, text, "--size", size, *words).returncode == 0
-            counts.append(len(read(tmp_path / "my.mesh").points))
+            counts.append(len(read_medit(tmp_path / "my.mesh").points))
         grown[bool(words)] = [b / a for a, b in zip(counts, counts[1:])]
     assert grown[True] == pytest.approx([4, 4], rel=0.15) and grown[False][0] < 3
-    mesh = read(tmp_path / "my.mesh")  # the last one: elements of 0.03
+    mesh = read_medit(tmp_path / "my.mesh")  # the last one: elements of 0.03
     areas = signed_areas(mesh.points, mesh.triangles)
     assert np.quantile((4 / 3**0.5 * areas) ** 0.5, 0.95) == pytest.approx(0.03, rel=0.1)
     assert made(tmp_path, text, "--proportional").returncode == 3

@@ -3,9 +3,9 @@ import re
 
 import pytest
 
-from conftest import ROOT
-from lint import files, seen_by_hooks
-from tests.bodies.test_boundaries import PERIODIC, SEAM, case, square
+from tests.conftest import ROOT
+from tests.lint import files, seen_by_hooks
+from tests.scenes import PERIODIC, SEAM, case, square
 
 
 @pytest.mark.parametrize("body", ["bodyHeld(bodyDisk(0.5, {y}, 0.12, 3));", "bodyPinned(bodyEllipse(0.5, {y}, 0.12, 0.1, 0, 3));", "bodyDisk(0.5, {y}, 0.12, 3);"])

@@ -3,7 +3,7 @@ import re
 
 import pytest
 
-from conftest import ROOT, run_tool
+from tests.conftest import ROOT, run_tool
 from tools.docs import options, tables
 from tools.docs.__main__ import made_pages, stale_pages
 

@@ -4,7 +4,7 @@ tests/data/settling_disk_short/particles.csv was written by
     FreeFem++ -nw cases/settling_disk.edp -tolerance 1e-5 -tend 0.1 -every 0.01 -out tests/data/settling_disk_short
 and judged then by tools.validate (velocities within 0.4 % of a body-fitted computation).
 """
-from conftest import ROOT
+from tests.conftest import ROOT
 from tools.check import compare
 
 REFERENCE = ROOT / "tests" / "data" / "settling_disk_short" / "particles.csv"

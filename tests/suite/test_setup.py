@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from cases import CASES
-from conftest import FREEFEM, ROOT
-from lint import FORBIDDEN, fespaces, files, global_names, includes, needed, reached
+from tests.cases import CASES
+from tests.conftest import FREEFEM, ROOT
+from tests.lint import files, needed
+from tools.compile_errors.names import FORBIDDEN, fespaces, global_names, includes, reached
 from tools.meshing.labels import LABELS
 
 SCRIPTS = files(".edp") + files(".idp")
@@ -107,10 +108,10 @@ TOOLS = "bash cat cut dirname env flock grep head ldconfig mktemp rm sha256sum t
 
 @pytest.fixture
 def setup(tmp_path):
-    """A function (stand-ins, **environment) that runs tools/setup.sh on a bare machine."""
-    (tmp_path / "tools").mkdir()
+    """A function (stand-ins, **environment) that runs tools/setup/setup.sh on a bare machine."""
+    (tmp_path / "tools" / "setup").mkdir(parents=True)
     for name in ("setup.sh", "requirements.txt"):
-        shutil.copy(ROOT / "tools" / name, tmp_path / "tools")
+        shutil.copy(ROOT / "tools" / "setup" / name, tmp_path / "tools" / "setup")
 
     def run(stand_ins, **environment):
         folder = tmp_path / "bin"
@@ -123,7 +124,7 @@ def setup(tmp_path):
             (folder / name).write_text(f"#!/bin/sh\n{script}\n")
             (folder / name).chmod(0o755)
         environment = {"PATH": str(folder), "HOME": str(tmp_path), "PYTHON": sys._base_executable} | environment
-        command = [str(tmp_path / "tools" / "setup.sh")]
+        command = [str(tmp_path / "tools" / "setup" / "setup.sh")]
         return subprocess.run(command, env=environment, cwd="/", capture_output=True, text=True, timeout=300, stdin=subprocess.DEVNULL)
 
     return run
@@ -153,14 +154,14 @@ def test_setup_without_python_packages_says_what_to_install(setup):
     # As root with an apt-get that does nothing: only pip has no network.
     run = setup({"id": "echo 0", "apt-get": "exit 0", "FreeFem++": "exit 0"}, PIP_NO_INDEX="1")
     assert run.returncode != 0
-    assert "pip install -r tools/requirements.txt" in run.stderr.splitlines()[-1]
+    assert "pip install -r tools/setup/requirements.txt" in run.stderr.splitlines()[-1]
 
 
 def test_a_second_setup_takes_less_than_two_seconds():
     if not (ROOT / ".venv/complete").is_file():
         pytest.skip("the environment of this run was not made by make setup")
     start = time.monotonic()
-    subprocess.run([ROOT / "tools/setup.sh"], check=True, env=os.environ | {"FREEFEM": FREEFEM}, timeout=60)
+    subprocess.run([ROOT / "tools/setup/setup.sh"], check=True, env=os.environ | {"FREEFEM": FREEFEM}, timeout=60)
     assert time.monotonic() - start < 2
 
 
@@ -168,7 +169,7 @@ def test_setup_in_the_activated_environment_leaves_it_alone():
     if not (ROOT / ".venv/complete").is_file():
         pytest.skip("the environment of this run was not made by make setup")
     path = f"{ROOT}/.venv/bin:{os.environ['PATH']}"
-    run = subprocess.run([ROOT / "tools/setup.sh", "--check"], env=os.environ | {"FREEFEM": FREEFEM, "PATH": path}, capture_output=True, text=True, timeout=60)
+    run = subprocess.run([ROOT / "tools/setup/setup.sh", "--check"], env=os.environ | {"FREEFEM": FREEFEM, "PATH": path}, capture_output=True, text=True, timeout=60)
     assert run.returncode == 0 and run.stdout == ""
 
 

@@ -7,18 +7,19 @@ import sys
 import numpy as np
 import pytest
 
-from conftest import ROOT
-from tools import bench_contacts, plotting
+from tests.conftest import ROOT
+from tools.base.command import BadInput
+from tools.base.runner import Done, own_folder
+from tools.base.timed import tree, without_calls, without_guarded
 from tools.bench import __main__ as bench
 from tools.bench import flow, scenes, skip
 from tools.bench.figure import draw
 from tools.bench.page import write_page
 from tools.bench.rounds import Job, Point, collect, ratio_at_equal_error, run_rounds
-from tools.bench.timed import tree, without_calls, without_guarded
-from tools.command import BadInput
-from tools.convergence import fitted_order
-from tools.extrema import peak, vortices
-from tools.runner import Done, own_folder
+from tools.peers import contact_packages as bench_contacts
+from tools.plot import style as plotting
+from tools.study.convergence import fitted_order
+from tools.study.extrema import peak, vortices
 
 
 def curve(program, costs, errors, problem="2d1"):

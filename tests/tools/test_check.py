@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from tests.conftest import run_tool
 from tests.synthetic import write_csv, write_run
-from tools.check import compare, main, tolerances
-from tools.command import BadInput
-from tools.tables import read_table, write_table
+from tools.base.check import compare, main, tolerances
+from tools.base.command import BadInput
+from tools.base.tables import read_table, write_table
 
 
 def table(path, times, values, name="u", ids=None):

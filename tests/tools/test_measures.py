@@ -1,4 +1,4 @@
-"""tools.convergence, tools.quantities and tools/measure.py, number by number."""
+"""tools.study.convergence, tools.base.quantities and tools/base/measure.py, number by number."""
 import math
 import os
 import subprocess
@@ -8,8 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from conftest import ROOT
-from tools import convergence, quantities
+from tests.conftest import ROOT
+from tools.base import quantities
+from tools.study import convergence
 
 
 @pytest.mark.parametrize("p, found", [(0.1, 0.1), (8, 8), (0.02, math.nan), (14, math.nan)])
@@ -147,7 +148,7 @@ def test_what_a_quantity_of_ones_own_gives_is_judged(tmp_path):
 
 def measured(folder, *command, environment=None):
     """(status of measure.py, status, CPU s, wall s, MiB) of a command."""
-    done = subprocess.run([sys.executable, "-I", "-S", ROOT / "tools" / "measure.py", folder / "cost", *command], capture_output=True, env=environment)
+    done = subprocess.run([sys.executable, "-I", "-S", ROOT / "tools" / "base" / "measure.py", folder / "cost", *command], capture_output=True, env=environment)
     return done.returncode, *map(float, (folder / "cost").read_text().split())
 
 
@@ -161,7 +162,7 @@ def test_the_cost_of_a_command_is_its_own(tmp_path):
 
 def test_the_system_s_time_counts(tmp_path):
     copy = f"import resource; data = b'1' * 1_000_000; f = open({str(tmp_path / 'big')!r}, 'wb', 0); [(f.seek(0), f.write(data)) for _ in range(300)]; u = resource.getrusage(resource.RUSAGE_SELF); print(u.ru_stime)"
-    done = subprocess.run([sys.executable, "-I", "-S", ROOT / "tools" / "measure.py", tmp_path / "cost", sys.executable, "-I", "-S", "-c", copy], capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "-I", "-S", ROOT / "tools" / "base" / "measure.py", tmp_path / "cost", sys.executable, "-I", "-S", "-c", copy], capture_output=True, text=True)
     system, cpu = float(done.stdout), float((tmp_path / "cost").read_text().split()[1])
     assert cpu >= system > 0
 
@@ -173,5 +174,5 @@ def test_a_command_that_a_signal_ends_is_told_by_its_number(tmp_path):
 
 def test_the_command_has_the_environment_and_its_words_are_needed(tmp_path):
     assert measured(tmp_path, "sh", "-c", "exit $MEASURED", environment={**os.environ, "MEASURED": "7"})[:2] == (7, 7)
-    done = subprocess.run([sys.executable, "-I", "-S", ROOT / "tools" / "measure.py", tmp_path / "cost"], capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "-I", "-S", ROOT / "tools" / "base" / "measure.py", tmp_path / "cost"], capture_output=True, text=True)
     assert done.returncode == 1 and done.stderr.startswith("usage: ") and done.stderr.count("\n") == 1

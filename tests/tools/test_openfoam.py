@@ -4,7 +4,7 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import ROOT
+from tests.conftest import ROOT
 
 from tools.peers.openfoam_case import field, read_field
 from tools.peers.with_openfoam import Pipe, Slit, Step

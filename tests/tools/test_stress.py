@@ -12,23 +12,24 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from conftest import ROOT, run_freefem
+from tests.conftest import ROOT, run_freefem
 from tests.synthetic import write_csv, write_run
-from tools.mesh import parser
+from tools.base.run_folder import RunFolder
+from tools.base.runner import Done
+from tools.base.tables import read_table
 from tools.meshing import CASES
+from tools.meshing.main import parser
 from tools.meshing.medit import write
 from tools.meshing.plane_mesh import signed_areas, smallest_angles
-from tools.run_folder import RunFolder
-from tools.runner import Done
 from tools.stress import __main__ as stress
 from tools.stress import runs as stress_runs
 from tools.stress.awkward import KINDS, spoiled
 from tools.stress.cells import Axis, Cell, Disks, Map
-from tools.stress.classes import GOOD, Checks, judge
+from tools.stress.classes import GOOD, Checks, created, judge
 from tools.stress.limits import defaults_inside, limits_of, write_limits
+from tools.stress.maps_energy import KINDS, SIZE, room, scene
 from tools.stress.overlap import crossing, pair_overlap, solid_segments, wall_overlap
 from tools.stress.runs import name_of, run_map
-from tools.tables import read_table
 
 WELL = Done(0, "", 1.0, 1.0, 30.0, "")
 CHECKS = Checks({"fluid.kinetic_energy": 1.0, "particles.u": 2.0}, 1.0)
@@ -368,3 +369,37 @@ def test_a_cell_that_was_late_in_any_way_is_run_again_with_more_time(status, aga
     one = toy("cases/poiseuille.edp", [1.0])
     monkeypatch.setattr(stress_runs, "run_command", lambda command, limit: Done(status, "", 1.0, 1.0, 1.0, ""))
     assert [stress_runs.run_cell(one, 1.0, 0, tmp_path, limit)["fresh"] for limit in (1, 1, 2)] == [True, False, bool(again)]
+
+
+def budget(kinetic, work, dissipated):
+    """A budget.csv as judge() reads it."""
+    return {"kinetic_energy": np.array(kinetic, float), "work": np.array(work, float), "dissipated": np.array(dissipated, float)}
+
+
+@pytest.mark.parametrize("start, table, words", [
+    (1.0, budget([0.9, 0.8, 0.5], [0, 0.1, 0.1], [0.1, 0.3, 0.6]), ""),
+    (1.0, budget([0.9, 1.2, 0.5], [0, 0.1, 0.1], [0.1, 0.3, 0.6]), "exceeds work and energy at the start by 0.091"),
+    (1.0, budget([0.9, 0.1, 0.5], [0, 0.0, 0.0], [0.1, 0.3, 0.4]), "gains 0.4 of work"),
+    (0.0, budget([0.5, 1.0, 0.5], [0.6, 1.5, 2.0], [0.0, 1.0, 2.1]), "kinetic energy and dissipation exceed work and energy at the start by 0.3"),
+    (None, {}, "")])
+def test_energy_that_nothing_supplied_is_told_from_a_budget(start, table, words):
+    said = created({"budget": table}, start)
+    assert words in said and bool(said) == bool(words)
+
+
+def test_random_closed_scenes_lie_within_their_walls_apart_from_each_other_and_cover_what_they_should():
+    scenes = [scene(seed) for seed in range(1, 201)]
+    for one in scenes:
+        x, r = one.rows[:, 1:3], one.rows[:, 3]
+        assert all(room(one.corners, *at) > size for at, size in zip(x, r))
+        apart = np.hypot(*(x[:, None] - x).transpose(2, 0, 1)) - r[:, None] - r
+        assert apart[~np.eye(len(r), dtype=bool)].min(initial=1) > 0
+        assert (2 * r * one.rows[:, 8] >= 1.99 * SIZE).all() and (r <= 5 * SIZE).all()
+    density = np.concatenate([one.rows[:, 4] for one in scenes])
+    assert density.min() < 0.015 and density.max() > 15 and {one.kind for one in scenes} == set(KINDS)
+    assert max(len(one.rows) for one in scenes) > 20 and sum(len(one.rows) == 1 for one in scenes) > 10
+
+
+def test_closed_scenes_of_the_quick_form_keep_their_energy(tmp_path):
+    grid, rows = run_map(stress.MAPS["energy"], tmp_path, True, say=lambda line: None)
+    assert {rows[pair]["class"] for pair in grid} == {"stable"}, [rows[pair]["reason"] for pair in grid]

@@ -1,4 +1,4 @@
-"""tools.study and its parts: orders and their uncertainty, quantities, resuming, failures."""
+"""tools.study: runs and their reuse, reports, recipes of meshes, failures."""
 import csv
 import math
 import os
@@ -12,16 +12,15 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from conftest import FREEFEM, run_tool
+from tests.conftest import FREEFEM, run_tool
 from tests.synthetic import ROOT, write_run
-from tools import convergence, quantities, study, study_figure, study_report
-from tools.command import BadInput
-from tools.mesh_files import read_mesh
-from tools.run_folder import RunFolder
-from tools.runner import fingerprint, run_command
+from tools.base import quantities
+from tools.base.command import BadInput
+from tools.base.mesh_files import read_mesh
+from tools.base.run_folder import RunFolder
+from tools.base.runner import fingerprint, run_command
+from tools.study import study, figure as study_figure, report as study_report
 
 # A stand-in for a case: its disk falls at -5.5 (1 + 0.3 h^2 + 2 dt^2), and it can fail.
 SCRIPT = """
@@ -218,85 +217,6 @@ def test_quantities_of_ones_own(case, tmp_path):
             quantities.parse(text, known)
 
 
-def test_the_quantities_of_a_made_up_run(tmp_path):
-    run = RunFolder(write_run(tmp_path / "run"))
-    known = quantities.load()
-    got = {name: quantities.evaluate(quantities.parse(name, known), run) for name in known if name != "result"}  # of steady flows
-    assert all(why == "" for _, why in got.values()), got
-    assert got["mean_wall_fx"][0] == pytest.approx(3.5) and quantities.mean_wall_fx(run, 4) == pytest.approx(2)
-    assert got["mean_fx"][0] == pytest.approx(2) and quantities.mean_fx(run, particle=1) == pytest.approx(3) and got["mean_torque"][0] == pytest.approx(0.5)
-    assert got["mean_fy"][0] == pytest.approx(0.875 * run.fluid["t"].max())  # the force is the time, over the last quarter
-    outlets = [quantities.mean_flux(run, label) for label in (2, 12)]
-    assert outlets[0] == pytest.approx(3 * outlets[1]) and got["mean_flux"][0] == outlets[0] > 0 > quantities.mean_flux(run, 1)
-    for bad in (lambda: quantities.mean_flux(run, 3), lambda: quantities.mean_fx(run, particle=7)):
-        with pytest.raises(ValueError):
-            bad()
-    assert got["mean_u"][0] == pytest.approx(0.9) and got["mean_v"][0] == 0
-    assert got["flux_error"][0] == pytest.approx(1e-4, rel=1e-3)
-    assert got["mean_pressure_drop"][0] == pytest.approx(100 * (1 - (math.exp(-3.75) - math.exp(-5)) / 1.25), rel=1e-4)
-    with pytest.raises(ValueError, match="no rows of label 0"):
-        quantities.mean_wall_fx(run, 0)
-    assert got["worst_overlap"][0] == pytest.approx(6e-9 / run.particles["radius"].min())
-
-
-def test_a_mean_is_over_the_window_whatever_the_rows():
-    t = np.array([0, 0.07, 0.2, 0.33, 0.61, 1.0])
-    run = type("Run", (), {"case": "x", "tracks": {0: {"t": t, "v": 3 * t}}})()
-    assert quantities.mean_v(run, 0.1, 0.5) == pytest.approx(0.9)
-
-
-@settings(max_examples=80, deadline=None)
-@given(p=st.floats(0.5, 5), ratio1=st.floats(1.2, 3), ratio2=st.floats(1.2, 3), c=st.floats(0.01, 10),
-       sign=st.sampled_from([-1, 1]), limit=st.floats(-5, 5))
-def test_the_order_of_a_power_law_is_found(p, ratio1, ratio2, c, sign, limit):
-    sizes = np.array([1, ratio1, ratio1 * ratio2]) * 0.1
-    values = limit + sign * c * sizes**p
-    assert convergence.observed_order(sizes, values) == pytest.approx(p, rel=1e-4, abs=1e-4)
-    assert convergence.fitted_order(sizes, values - limit) == pytest.approx(p, rel=1e-3, abs=1e-3)
-    one = convergence.estimate(sizes, values, formal=p)
-    assert one.limit == pytest.approx(limit, abs=1e-6)
-    two = convergence.estimate(sizes, values, formal=2)
-    assert abs(two.limit - limit) <= two.uncertainty + 1e-9 or p < 0.5
-
-
-def test_values_that_oscillate_or_stand_still_give_no_order():
-    one = convergence.estimate([1, 0.5, 0.25], [1.0, 1.2, 1.1])
-    assert math.isnan(one.order) and one.limit == 1.1 and one.uncertainty == pytest.approx(0.6)
-    assert "oscillate" in one.note and not one.extrapolated and "oscillate" not in convergence.estimate([1, 0.5, 0.25], [1.0, 1.0, 1.1]).note
-    assert convergence.estimate([1, 0.5, 0.25], [2.0, 2.0, 2.0]).uncertainty == 0
-    assert convergence.estimate([1, 0.5, 0.25], [2.0, 2.0 + 1e-15, 2.0 - 1e-15]).uncertainty < 1e-14
-    assert "one size" in convergence.estimate([1, 0.5], [2.0, math.nan]).note
-    assert "order 2 assumed" in convergence.estimate([1, 0.5], [5.0, 2.0]).note
-    assert convergence.estimate([1, 0.5, 0.25], [2.0, 1.25, 1.0625]).uncertainty == pytest.approx(1.25 / 16)  # 1 + h^2: the order is seen
-
-
-@pytest.mark.parametrize("p, used, safety", [(2.19, 2.0, 1.25), (1.81, 2.0, 1.25), (2.25, 2.0, 3), (1.7, 1.7, 3), (0.3, 0.5, 3)])
-def test_the_grid_convergence_index_of_a_power_law(p, used, safety):
-    """Celik et al.: F |f1 - f2|/(r^p - 1), F = 1.25 and the formal order where p is within 10 % of it, else 3 with p kept between 0.5 and it; of the finest three of four."""
-    values = [7.0, *(1 + h**p for h in (1, 0.5, 0.25))]
-    one = convergence.estimate([2, 1, 0.5, 0.25], values)
-    step = abs(values[3] - values[2]) / (2**used - 1)
-    assert one.order == pytest.approx(p, rel=1e-6) and one.uncertainty == pytest.approx(safety * step, rel=1e-5) and one.limit == pytest.approx(values[3] - step, rel=1e-6)
-
-
-def test_what_an_estimate_makes_of_few_or_odd_values():
-    assert convergence.estimate([1, 0.5], [5.0, 2.0]).uncertainty == pytest.approx(3 * 3 / 3)  # two sizes, order 2: 3 |f1 - f2|/(2^2 - 1)
-    assert convergence.estimate([8, 1, 0.5, 0.25], [9.0, 1.0, 1.2, 1.1]).uncertainty == pytest.approx(0.6)
-    assert convergence.estimate([1, 0.5, 0.25], [2.0, 2.0 + 1e-12, 2.0]).uncertainty == pytest.approx(1e-12, rel=1e-2, abs=0)
-    assert "oscillate" not in convergence.estimate([1, 0.5, 0.25], [1.0 + 1e-13, 1.0, 1.1]).note  # the first two differ by rounding
-    assert convergence.fitted_order([1, 0.5, 0.25], [4.0, -1.0, 0.0]) == pytest.approx(2)  # an error of 0 has no logarithm
-    with pytest.raises(ValueError, match="one size"):
-        convergence.estimate([1, 1, 0.5], [1.0, 1.1, 1.2])
-
-
-@pytest.mark.parametrize("last", [1.1, 1.1 + 2e-16, 1.1 - 1e-13])
-def test_two_finest_values_that_stand_still_are_said_to(last):
-    """Uncertain by three times what a change of 0.1 from size 1 to 1/2 leaves at 1/4 with order 2."""
-    one = convergence.estimate([1, 0.5, 0.25], [1.2, 1.1, last])
-    assert "stand still" in one.note and one.limit == last and not one.extrapolated
-    assert one.uncertainty == pytest.approx(3 * 0.1 / 12, rel=1e-9)
-
-
 def made_up_records(values, folder):
     return [{"asked": h, "meshsize": h, "dt": None, "cpu_s": 1 / h, "status": 0, "reason": "", "run": str(folder), "values": {"q": (value, "")}}
             for h, value in zip((1, 0.5, 0.25), values)]
@@ -365,16 +285,6 @@ def test_steps_that_differ_in_the_seventh_digit_have_runs_of_their_own():
     assert study.name_of(0.0625, 0.0025) == "h0.0625_dt0.0025" != study.name_of(0.0625, 0.002500001)
 
 
-@given(st.lists(st.tuples(st.floats(0.1, 100), st.floats(-10, 10)), max_size=12))
-def test_pareto_points_are_those_that_nothing_beats(points):
-    costs, errors = [p[0] for p in points], [p[1] for p in points]
-    front = convergence.pareto(costs, errors)
-    for k, (cost, error) in enumerate(points):
-        beaten = any((c < cost and abs(e) <= abs(error)) or (c <= cost and abs(e) < abs(error)) for c, e in points)
-        assert (k in front) <= (not beaten)
-    assert bool(front) == bool(points)
-
-
 @pytest.mark.parametrize("words", [
     ["cases/nothing.edp", "--quantity", "mean_v"], ["CASE"], ["CASE", "--quantity", "nothing"],
     ["CASE", "--quantity", "mean_v", "--meshsize", "-1"], *(["CASE", "--quantity", "mean_v", option, value] for option in ("--meshsize", "--dt") for value in ("0", "nan", "1e300", "1e-300")),
@@ -441,68 +351,6 @@ def test_what_has_no_value_is_named_and_old_figures_go(case, tmp_path, capsys):
     assert [path.name for path in (tmp_path / "out").glob("*.png")] == ["study_peak_speed.png"]
 
 
-def test_windows_of_quantities():
-    """The one that is asked for, also between two rows; that of the case's references; else the last quarter."""
-    t = np.linspace(0, 1, 11)
-    track = {"t": t, "v": 2 * t, "u": np.where(t < 0.95, 0.0, 3.0)}
-    run = SimpleNamespace(case="drum", tracks={3: track, 7: {"t": t, "v": -t, "u": 0 * t}}, fluid={"t": t, "flux_in": 1 + 0 * t, "flux_out": np.where(t == 0.5, -0.96, -1.0), "worst_gap": 0.1 - t},
-                          particles={"radius": np.array([2.0, 0.5])})
-    assert quantities.mean_v(run) == pytest.approx(2 * 0.875) and quantities.mean_v(run, 0.23, 0.47) == pytest.approx(0.7) and quantities.mean_v(run, 0.5) == pytest.approx(1.5)
-    assert quantities.mean_v(run, particle=7) == pytest.approx(-0.875) and quantities.mean_u(run) == pytest.approx(0.1 * 3 / 2 / 0.25)
-    assert quantities.mean_v(SimpleNamespace(case="settling_disk", tracks=run.tracks)) == pytest.approx(0.7)
-    assert quantities.peak_speed(run) == pytest.approx(13**0.5) and quantities.flux_error(run) == pytest.approx(0.04) and quantities.worst_overlap(run) == pytest.approx(1.8)
-    for start, end in ((0.5, 1.1), (-0.1, 0.5), (0.6, 0.6)):
-        with pytest.raises(ValueError):
-            quantities.mean_v(run, start, end)
-    fine = np.linspace(0, 1, 1001)
-    noisy = SimpleNamespace(case="", tracks={0: {"t": fine, "v": 5 + 2 * fine - fine**2 + 0.01 * np.sin(200 * np.pi * fine)}})
-    assert quantities.noise_v(noisy, 0, 1) == pytest.approx(0.01 / 2**0.5 / (17 / 3), rel=2e-3)
-    assert quantities.noise_v(noisy, 0.2, 0.3) == pytest.approx(0.01 / 2**0.5 / np.mean(5 + 2 * fine[200:301] - fine[200:301] ** 2), rel=0.02)
-
-
-def test_quantities_of_the_end_and_of_extremes():
-    t = np.arange(3.0)
-    run = SimpleNamespace(case="drum", mesh=None, tracks={0: {"t": t, "x": np.array([1.0, 5, 3]), "y": np.array([2.0, 7, 4]), "theta": np.array([0.0, 9, 6]), "v": t}}, particles={"radius": np.array([0.5])},
-                          fluid={"t": t, "flux_in": np.array([0.5, 0.5, 0.5]), "flux_out": np.array([-0.5, -1.0, -0.5]), "worst_gap": t + 0.1})
-    assert (quantities.final_x(run), quantities.final_y(run), quantities.final_theta(run)) == (3, 4, 6)
-    assert quantities.flux_error(run) == pytest.approx(0.5) and quantities.worst_overlap(run) == 0
-    with pytest.raises(ValueError, match="only 3 rows"):
-        quantities.noise_v(run, 0, 2)
-
-
-@pytest.mark.parametrize("times, window", [((0, 1), ()), ((0, 0.5, 1), ()), ((0, 0.01, 0.02, 0.3, 0.6, 0.9, 1), ()), ((0, 0.5, 1), (0.6, 0.7))])
-def test_a_mean_of_too_few_rows_is_refused(times, window):
-    """It would be one of the straight line from the start to the end."""
-    t = np.array(times)
-    run = SimpleNamespace(case="drum", tracks={0: {"t": t, "v": np.exp(-9 * t)}})
-    with pytest.raises(ValueError, match="only [012] rows in the window from"):
-        quantities.mean_v(run, *window)
-
-
-def test_a_mean_of_a_window_narrower_than_dense_rows_is_given():
-    t = np.linspace(0, 1, 21)
-    run = SimpleNamespace(case="drum", tracks={0: {"t": t, "v": 2 * t}})
-    assert quantities.mean_v(run, 0.31, 0.34) == pytest.approx(0.65)
-
-
-def test_a_closed_flow_has_no_error_of_its_flux(tmp_path):
-    run = RunFolder(write_run(tmp_path / "run", fields=1))
-    run.fluid["flux_in"], run.fluid["flux_out"] = 1e-16 * run.fluid["flux_in"], 0 * run.fluid["flux_out"]
-    run.fluid["top_speed"] = np.ones(len(run.fluid["t"]))
-    assert quantities.flux_error(run) == 0
-    run.fluid["flux_in"] = 1e12 * run.fluid["flux_in"]
-    assert quantities.flux_error(run) == 1
-
-
-def test_the_help_names_the_arguments_of_a_quantity():
-    assert any(line.startswith("  mean_flux:LABEL:START:END ") for line in quantities.summary(quantities.load()).splitlines())
-
-
-def test_every_quantity_has_a_whole_sentence_in_the_help():
-    lines = quantities.summary(quantities.load()).splitlines()
-    assert len(lines) > 10 and not [line for line in lines if not re.search(r"\S {2,}\S.*[.]$", line)]
-
-
 def ended_by(number, words, folder):
     """Starts a tool whose case writes its process number to folder/pid, ends it by a signal;
     returns its status, what it said, and whether the case is still there."""
@@ -528,13 +376,13 @@ def test_a_stopped_study_ends_its_runs_and_goes_on_later(case, tmp_path, number,
 
 def test_a_tool_that_waits_for_one_run_ends_it_when_it_is_ended(tmp_path):
     """As the study does; here no thread stands between the tool and the run."""
-    tool = ("from tools.command import guarded; from tools.runner import run_command; "
+    tool = ("from tools.base.command import guarded; from tools.base.runner import run_command; "
             f"guarded(lambda: run_command(['sh', '-c', 'echo $$ > {tmp_path}/pid; sleep 47']).status)")
     assert ended_by(signal.SIGTERM, ["-c", tool], tmp_path) == (143, "stopped by SIGTERM\n", False)
 
 
 def test_a_run_that_is_ended_while_it_starts_does_not_go_on(monkeypatch):
-    from tools import runner
+    from tools.base import runner
     make = runner.subprocess.Popen
 
     def made_as_all_is_ended(*words, **options):
@@ -551,14 +399,3 @@ def test_a_run_that_is_ended_while_it_starts_does_not_go_on(monkeypatch):
 def test_a_folder_that_freefem_takes_no_runs_in_is_refused_before_meshes_are_made(case, tmp_path):
     with pytest.raises(BadInput, match="holds signs other than"):
         study.main([str(case), "--meshsize", "0.1", "--quantity", "final_y", "--out", str(tmp_path / "a b")], lambda *_: pytest.fail("made a mesh"))
-
-
-@pytest.mark.parametrize("text, says", [("final_y:0.5", "there is no particle 0.5"), ("final_y:2", "there is no particle 2"), ("final_y:nan", "there is no particle nan"),
-                                        ("mean_v:0:inf", "the window from 0 to inf has no end"), ("mean_v:-inf:1", "the window from -inf to 1 has no end"), ("mean_v:1:0.5", "the window from 1 to 0.5 is empty")])
-def test_a_particle_or_a_window_that_there_is_not_is_told(text, says):
-    """A half of a particle was the one before, an endless window a nan without a reason."""
-    t = np.linspace(0, 2, 21)
-    run = SimpleNamespace(case="drum", tracks={one: {"t": t, "v": t, "y": one + t} for one in (0, 1)})
-    value, why = quantities.evaluate(quantities.parse(text, quantities.load()), run)
-    assert math.isnan(value) and why == says
-    assert quantities.evaluate(quantities.parse("final_y:1", quantities.load()), run) == (3, "")

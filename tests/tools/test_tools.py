@@ -1,11 +1,13 @@
 """What the command line tools have in common: how they refuse, and what their help says."""
 import pytest
 
-from conftest import ROOT
-from tools import coupling_effect, doctor, study, transport_table, validate, validate_steady, validate_transport
+from tests.conftest import ROOT
+from tools import coupling_effect, transport_table, validate, validate_steady, validate_transport
+from tools.base.command import BadInput
 from tools.bench import __main__ as bench
-from tools.command import BadInput
+from tools.setup import doctor
 from tools.stress import __main__ as stress
+from tools.study import study
 
 
 @pytest.mark.parametrize("tool, words", [(validate, ["poiseuille"]), (validate_steady, ["--only", "poiseuille"]), (validate_transport, ["drag"]), (bench, ["--parts", "transport"]), (stress, ["lattice"]),
@@ -31,8 +33,8 @@ def test_a_tool_names_itself(tool, capsys):
 def test_the_doctor_sees_a_solver_that_freefem_lacks(lost, monkeypatch):
     """FreeFEM took UMFPACK for it, and the doctor said that all was well."""
     run_text, told = doctor.run_text, []
-    text = (ROOT / "tools" / "doctor.edp").read_text()
-    monkeypatch.setattr(doctor, "run_text", lambda words: run_text(words.replace('include "tools/doctor.edp"', text.replace(f'solver = "{lost}"', 'solver = "LACKING"'))))
+    text = (ROOT / "tools" / "setup" / "doctor.edp").read_text()
+    monkeypatch.setattr(doctor, "run_text", lambda words: run_text(words.replace('include "tools/setup/doctor.edp"', text.replace(f'solver = "{lost}"', 'solver = "LACKING"'))))
     monkeypatch.setattr(doctor, "SOLVERS", ["UMFPACK", "CHOLMOD", "CG"])
     doctor.check_solvers(lambda good, words: told.append((good, words)))
     assert [words.split(":")[0] for good, words in told if not good] == ([f"solver {lost}"] if lost else []) and len(told) == 3

@@ -8,10 +8,12 @@ import pytest
 
 from tests.conftest import make_mesh, run_tool
 from tests.synthetic import ROOT, write_csv
-from tools import transport_exact, transport_two_way, validate, validate_steady, validate_transport, validation
-from tools.command import BadInput
-from tools.run_folder import RunFolder
-from tools.tables import read_table
+from tools.peers import spheres_exact as transport_exact
+from tools.validation import two_way as transport_two_way, main as validate, turbulence as validate_steady, spheres as validate_transport
+from tools import validation
+from tools.base.command import BadInput
+from tools.base.run_folder import RunFolder
+from tools.base.tables import read_table
 from tools.validation import Context, Failed, Run, discover, ellipse, judge, particles, settling_disk, sprung_cylinder, suspension, turbulence
 
 
@@ -174,7 +176,7 @@ def test_discover_leaves_out_modules_without_a_list():
     ("disks,kind,solver,tolerance,cpu_s,search_s,memory_mb\n500,random,piqp,1e-8,1,,\n", "no row of the solver newton"),
 ])
 def test_the_benchmark_of_contacts_is_read_before_anything_is_computed(tmp_path, text, says):
-    from tools import validate_contacts
+    from tools.validation import contact_targets as validate_contacts
     (tmp_path / "other.csv").write_text(text)
     with pytest.raises(BadInput, match=says):
         validate_contacts.main(["--bench", str(tmp_path / "other.csv"), "--out", str(tmp_path / "out")])
@@ -182,7 +184,7 @@ def test_the_benchmark_of_contacts_is_read_before_anything_is_computed(tmp_path,
 
 
 def test_the_benchmark_of_contacts_is_judged(tmp_path):
-    from tools import validate_contacts
+    from tools.validation import contact_targets as validate_contacts
     (tmp_path / "bench.csv").write_text("disks,kind,solver,tolerance,cpu_s,search_s,memory_mb\n500,random,newton,1e-8,1,0.1,90\n500,random,piqp,1e-8,2,,\n500,gravity,newton,1e-8,,,\n")
     found = list(validate_contacts.speed(validate_contacts.benchmark(tmp_path / "bench.csv")))
     assert [row[2] for row in found] == [0.5, 0.1, 90]
@@ -208,7 +210,7 @@ def test_swings_are_measured_over_whole_periods():
 
 def test_the_body_fitted_cylinder_on_springs_goes_on_where_it_was_saved(freefem, tmp_path):
     """Its path in one run and in two, a step of first order apart."""
-    script = ROOT / "tools" / "body_fitted" / "sprung_cylinder.edp"
+    script = ROOT / "tools" / "peers" / "body_fitted" / "sprung_cylinder.edp"
     mesh = make_mesh(tmp_path / "coarse.mesh", "cylinder_channel", *"--length 20 --height 12 --radius 0.5 --centre 6 6 --size 1.5 --growth 0.5 --circle-points 16".split())
     freefem(script, "-mesh", mesh, "-tend", 2.4, "-out", tmp_path / "whole.csv")
     freefem(script, "-mesh", mesh, "-tend", 1.2, "-save", tmp_path / "state")
@@ -251,7 +253,7 @@ def test_what_history_changes_is_that_of_the_run(monkeypatch, tmp_path):
 
 
 def test_a_contact_that_is_missing_is_a_miss(monkeypatch):
-    from tools import validate_contacts
+    from tools.validation import contact_targets as validate_contacts
     project = validate_contacts.project
 
     def one_lost(*words):
@@ -265,7 +267,7 @@ def test_a_contact_that_is_missing_is_a_miss(monkeypatch):
 
 def test_a_part_of_the_contacts_that_breaks_is_a_row_and_the_rest_goes_on(tmp_path, monkeypatch):
     """A package that is not there was a traceback, and no table of what had been done."""
-    from tools import validate_contacts
+    from tools.validation import contact_targets as validate_contacts
     from tools.validation import contacts
 
     def quadratic_program():

@@ -1,8 +1,8 @@
-"""Each force on a sphere against exact solutions (tools/validate_transport.py, its short runs)."""
+"""Each force on a sphere against exact solutions (tools/validation/spheres.py, its short runs)."""
 import pytest
 
-from tools import validate_transport
 from tools.validation import Context
+from tools.validation import spheres as validate_transport
 
 ALONE = ["drag", "terminal", "startup", "history", "lift", "magnus", "converging"]
 

@@ -1,14 +1,15 @@
-"""Two-way coupling: what the fluid gets, in closed forms (tools/transport_two_way.py), and what it leaves alone."""
+"""Two-way coupling: what the fluid gets, in closed forms (tools/validation/two_way.py), and what it leaves alone."""
 import math
 import re
 
 import pytest
 
-from tools import coupling_effect, transport_two_way
-from tools.mesh_files import read_field
-from tools.run_folder import RunFolder
-from tools.tables import read_table
+from tools.base.mesh_files import read_field
+from tools.base.run_folder import RunFolder
+from tools.base.tables import read_table
+from tools.transport import coupling_effect
 from tools.validation import Context
+from tools.validation import two_way as transport_two_way
 
 
 class Coarse(Context):

@@ -20,7 +20,8 @@ import subprocess
 import sys
 import time
 
-from tools import bench_contacts
+from tools.base.command import ROOT, Parser, guarded, out_folder, positive, whole
+from tools.base.runner import freefem, machine, own_folder
 from tools.bench import flow, skip
 from tools.bench.figure import draw
 from tools.bench.page import load, write_page
@@ -28,8 +29,7 @@ from tools.bench.rounds import collect, earlier, run_rounds
 from tools.bench.scaling import scaling_jobs
 from tools.bench.scenes import OURS, PUBLISHED, contact_jobs, flow_jobs, particle_jobs, suspension_jobs
 from tools.bench.transport import transport_jobs
-from tools.command import ROOT, Parser, guarded, out_folder, positive, whole
-from tools.runner import freefem, machine, own_folder
+from tools.peers import contact_packages as bench_contacts
 
 PARTS = ("flow", "particles", "contacts", "transport", "scaling", "skip")
 PACKAGES = {"ngsolve": flow.PEERS["NGSolve"][1], "skfem": flow.PEERS["scikit-fem"][1], "lbmpy": "lbmpy==2.0",

@@ -5,7 +5,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from tools.bench.page import groups, programs, with_error
-from tools.plotting import PAGE_WIDTH, plt, save
+from tools.plot.style import PAGE_WIDTH, plt, save
 
 # Colour, marker and line of a program in every panel; told apart by marker and line in grey.
 STYLES = {

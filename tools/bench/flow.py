@@ -11,10 +11,10 @@ same). A program that is not there or fails raises BadInput.
 import math
 import sys
 
-from tools.command import BadInput
-from tools.extrema import vortices
-from tools.run_folder import RunFolder
-from tools.runner import finished, make_mesh, reported, run_case, run_command
+from tools.base.command import BadInput
+from tools.base.run_folder import RunFolder
+from tools.base.runner import finished, make_mesh, reported, run_case, run_command
+from tools.study.extrema import vortices
 
 PEERS = {"NGSolve": ("with_ngsolve", "ngsolve==6.2.2608"), "scikit-fem": ("with_skfem", "scikit-fem==12.0.2")}
 OURS, PUBLISHED = "standard", "published"

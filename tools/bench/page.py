@@ -4,10 +4,10 @@ import math
 import os
 from importlib import metadata
 
+from tools.base.runner import commit, versions
+from tools.base.tables import write_table
 from tools.bench.rounds import Sample, ratio_at_equal_error
-from tools.convergence import fitted_order
-from tools.runner import commit, versions
-from tools.tables import write_table
+from tools.study.convergence import fitted_order
 
 TITLES = {
     ("flow", "2d1"): "DFG 2D-1: steady flow past a cylinder, error of the drag",

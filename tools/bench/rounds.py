@@ -13,8 +13,8 @@ from typing import Callable
 
 import numpy as np
 
-from tools.command import BadInput
-from tools.convergence import pareto
+from tools.base.command import BadInput
+from tools.study.convergence import pareto
 
 
 @dataclass

@@ -8,9 +8,9 @@ the inflow starts, and when the stream carries them (0.08 to 0.1 s).
 """
 import functools
 
+from tools.base.timed import step_time, tree
 from tools.bench.rounds import Job
 from tools.bench.scenes import OURS, mesh, pipe_step
-from tools.bench.timed import step_time, tree
 
 IN_JET, FINE, CARRIED, FINE_SIZE = "standard, in the jet", "standard, 3 mm", "standard, 3 mm, carried", 0.003
 DIAMETER = 0.25

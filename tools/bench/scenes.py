@@ -8,15 +8,16 @@ import sys
 
 import numpy as np
 
-from tools import bench_contacts, quantities
+from tools.base import quantities
+from tools.base.command import BadInput
+from tools.base.run_folder import RunFolder
+from tools.base.runner import finished, make_mesh, reported, run_case, run_command
+from tools.base.timed import step_time, tree
 from tools.bench import flow
 from tools.bench.flow import OURS, PUBLISHED, over_neighbours
 from tools.bench.rounds import Job
 from tools.bench.skip import PIPE_STEP
-from tools.bench.timed import step_time, tree
-from tools.command import BadInput
-from tools.run_folder import RunFolder
-from tools.runner import finished, make_mesh, reported, run_case, run_command
+from tools.peers import contact_packages as bench_contacts
 from tools.validation.settling_disk import fitted_mean
 
 FALL, TURN = fitted_mean(), 0.8392

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tools.bench.timed import step_time, tree
-from tools.command import BadInput
+from tools.base.command import BadInput
+from tools.base.timed import step_time, tree
 
 JET, PIPE, DISK, SPHERES = "cases/pipe_jet.edp", "cases/pipe_obstacles.edp", "cases/settling_disk.edp", "tests/transport/scripts/bench.edp"
 FLOW_FILES = ("scripts/flow.edp", "lib/scheme/velocity_step.idp", "lib/scheme/pressure_step.idp")

@@ -9,12 +9,12 @@ import sys
 
 import numpy as np
 
+from tools.base.run_folder import RunFolder
+from tools.base.runner import finished, reported, run_case, run_command
+from tools.base.timed import carried_step
 from tools.bench.rounds import Job
 from tools.bench.scenes import OURS
-from tools.bench.timed import carried_step
 from tools.peers.with_scipy import DENSITY, END, NUMBER, RADIUS, SPREAD, START_X, start
-from tools.run_folder import RunFolder
-from tools.runner import finished, reported, run_case, run_command
 
 STEPS = [0.02, 0.005, 0.00125]  # s
 

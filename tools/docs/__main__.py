@@ -4,7 +4,7 @@ docs/reference/options.md from what the drivers print with -help, docs/reference
 files that write the tables, docs/gallery/ from the headers of the cases and docs/gallery/cases.csv.
 The pages are kept in the repository; a test fails when they are stale. make docs builds all pages.
 """
-from tools.command import ROOT, Parser, guarded
+from tools.base.command import ROOT, Parser, guarded
 from tools.docs import gallery, options, tables
 
 

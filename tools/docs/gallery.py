@@ -5,7 +5,7 @@ picture), cpu (CPU time of the run with the default options), error (the most te
 """
 import csv
 
-from tools.command import ROOT, BadInput
+from tools.base.command import ROOT, BadInput
 from tools.docs import options
 from tools.docs.headers import blocks, header, prose
 

@@ -1,7 +1,7 @@
 """Reading the comment at the head of a script as prose, commands and lists."""
 import re
 
-from tools.command import ROOT
+from tools.base.command import ROOT
 
 # What is code within a sentence of a header: a command, the name of a file, an option with its value.
 CODE = re.compile(

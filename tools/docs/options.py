@@ -5,7 +5,7 @@ import subprocess
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
-from tools.command import ROOT, BadInput
+from tools.base.command import ROOT, BadInput
 
 DRIVERS = {
     "resolved.edp": "Particles with the flow around each of them",

@@ -2,7 +2,7 @@
 import re
 from dataclasses import dataclass
 
-from tools.command import ROOT, BadInput
+from tools.base.command import ROOT, BadInput
 from tools.docs.headers import header, prose
 
 HEAD = """# Columns of the tables

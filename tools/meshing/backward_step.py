@@ -5,7 +5,7 @@ The step's edge stands at (0, 1); the channel behind it is 0 <= y <= 2, the inle
 """
 import numpy as np
 
-from tools.command import non_negative
+from tools.base.command import non_negative
 from tools.meshing.options import add_length, add_pattern_structured, add_size, require_cells, require_stretch
 from tools.meshing.outline import Outline
 from tools.meshing.structured import even, gridded, growing, joined

@@ -1,5 +1,5 @@
 """A closed box with a fine vertical corridor, where a body falls, and coarse flanks."""
-from tools.command import non_negative, positive
+from tools.base.command import non_negative, positive
 from tools.meshing.box import add_sides, box_outline
 from tools.meshing.options import add_length, add_pattern, add_size, require, require_cells
 from tools.meshing.structured import even, gridded, growing, joined

@@ -24,9 +24,9 @@ def faults(mesh, outline, tolerance=1e-9):
         found.append(f"the triangles cover {areas.sum():.12g}, the domain is {outline.area():.12g}")
     if len(np.unique(mesh.triangles)) != len(mesh.points):
         found.append("a vertex belongs to no triangle")
-    pieces = pieces_of(mesh.triangles, len(mesh.points))
+    pieces = pieces_of(mesh.triangles)
     if pieces > 1:
-        found.append(f"the triangles make {pieces} pieces that share no vertex: join the surfaces (in gmsh BooleanFragments or Coherence), or mesh one")
+        found.append(f"the triangles make {pieces} pieces that share no side (a common vertex does not join them): join the surfaces (in gmsh BooleanFragments or Coherence), or mesh one")
 
     edges, count = edges_of(mesh.triangles)
     if count.max() > 2:
@@ -45,11 +45,16 @@ def faults(mesh, outline, tolerance=1e-9):
     return found
 
 
-def pieces_of(triangles, number):
-    """How many pieces the triangles make that share no vertex."""
-    graph = coo_matrix((np.ones(2 * len(triangles)), (triangles[:, [0, 1]].ravel(), triangles[:, [1, 2]].ravel())), shape=(number, number))
-    _, piece = connected_components(graph, directed=False)
-    return len(np.unique(piece[triangles]))
+def pieces_of(triangles):
+    """How many pieces the triangles (m, 3) make that share no side: no fluid passes through a common vertex."""
+    sides = np.sort(np.concatenate([triangles[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=1)
+    _, side = np.unique(sides, axis=0, return_inverse=True)
+    triangle = np.tile(np.arange(len(triangles)), 3)
+    order = np.argsort(side.ravel(), kind="stable")
+    joined = np.flatnonzero(np.diff(side.ravel()[order]) == 0)
+    pair = triangle[order[joined]], triangle[order[joined + 1]]
+    number, _ = connected_components(coo_matrix((np.ones(len(joined)), pair), shape=(len(triangles),) * 2), directed=False)
+    return number
 
 
 def summary(mesh):

@@ -1,5 +1,5 @@
 """A box between plates, periodic in x: sides left and right with matching nodes, plates bottom and top."""
-from tools.command import non_negative
+from tools.base.command import non_negative
 from tools.meshing.options import add_length, add_pattern, add_size, filled_rectangle, require, require_cells
 from tools.meshing.outline import rectangle
 from tools.meshing.structured import even, gridded, growing, joined

@@ -12,7 +12,7 @@ more than on the polygon: --growth first.
 """
 from math import cos, pi, sin, sqrt
 
-from tools.command import number, positive, whole
+from tools.base.command import number, positive, whole
 from tools.meshing.options import add_length, require
 from tools.meshing.outline import Outline, rectangle
 from tools.meshing.unstructured import SizeNear, triangulated, wake

@@ -5,7 +5,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from tools.command import BadInput
+from tools.base.command import BadInput
 from tools.meshing.labels import LABELS
 
 # A vertex where two labels meet takes the later one of this list.

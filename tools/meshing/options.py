@@ -1,5 +1,5 @@
 """Options that recipes share, and the refusals they have in common."""
-from tools.command import BadInput, positive
+from tools.base.command import BadInput, positive
 from tools.meshing.structured import PATTERNS, even, gridded
 from tools.meshing.unstructured import triangulated
 

@@ -3,7 +3,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tools.command import BadInput
+from tools.base.command import BadInput
 from tools.meshing.labels import LABELS
 
 

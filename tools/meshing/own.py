@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tools.command import BadInput, positive
+from tools.base.command import BadInput, positive
 from tools.meshing.labels import LABELS
 from tools.meshing.plane_mesh import finished, signed_areas
 from tools.meshing.unstructured import extracted, with_gmsh

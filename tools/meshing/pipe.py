@@ -1,7 +1,7 @@
 """A pipe in plane section, |y| <= R, 0 <= x <= L, with a diaphragm and triangular obstacles on both walls."""
 import numpy as np
 
-from tools.command import non_negative, number, positive
+from tools.base.command import non_negative, number, positive
 from tools.meshing.options import add_length, require
 from tools.meshing.outline import Outline
 from tools.meshing.unstructured import SizeNear, triangulated

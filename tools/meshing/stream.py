@@ -1,5 +1,5 @@
 """A stream through a rectangle, graded to the place where a body stands or moves up and down, and to its wake."""
-from tools.command import non_negative, number
+from tools.base.command import non_negative, number
 from tools.meshing.options import add_length, add_size, require, require_cells
 from tools.meshing.outline import rectangle
 from tools.meshing.unstructured import SizeNear, triangulated, wake

@@ -7,7 +7,7 @@ from math import ceil, dist
 
 import numpy as np
 
-from tools.command import BadInput
+from tools.base.command import BadInput
 from tools.meshing.plane_mesh import finished, labels_on
 
 MOST_VERTICES = 2_000_000

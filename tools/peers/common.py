@@ -7,7 +7,7 @@ import time
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NGS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 
-from tools.extrema import top  # noqa: E402  (NumPy reads the environment)
+from tools.study.extrema import top  # noqa: E402  (NumPy reads the environment)
 
 
 def explained(kind, problem, trace):

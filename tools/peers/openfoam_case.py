@@ -11,7 +11,7 @@ import subprocess
 import numpy as np
 from scipy.interpolate import NearestNDInterpolator
 
-from tools.command import BadInput
+from tools.base.command import BadInput
 
 CMU, KAPPA, ROUGH = 0.09, 0.41, 9.0
 TOLERANCE, KEPT, SHARE = 1e-6, 10, 40  # largest residual; states kept, and how many there are in all

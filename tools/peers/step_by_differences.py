@@ -13,7 +13,7 @@ import scipy.sparse as sp
 from scipy.interpolate import RegularGridInterpolator
 from scipy.sparse.linalg import splu
 
-from tools.command import BadInput, Parser, guarded, whole
+from tools.base.command import BadInput, Parser, guarded, whole
 
 INLET, OUTLET, EVEN = 20.0, 60.0, 26.0  # lengths before and behind the step, and that of the even grid, heights
 CONTINUED = (100, 200, 300, 400, 500, 600, 700, 800)

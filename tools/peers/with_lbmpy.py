@@ -19,7 +19,7 @@ imports.
 """
 import time
 
-from tools.command import ROOT
+from tools.base.command import ROOT
 from tools.peers.common import asked, report
 
 import warnings

@@ -8,7 +8,7 @@ import sys
 import time
 
 from tools.peers.common import CENTRE, HEIGHT, LENGTH, NU, RADIUS, asked, extrema, parabola, report, towards_walls
-from tools.extrema import vortices
+from tools.study.extrema import vortices
 
 import numpy as np
 from netgen.geom2d import SplineGeometry

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tools.command import BadInput, Parser, guarded
+from tools.base.command import BadInput, Parser, guarded
 from tools.peers.openfoam_case import CMU, KAPPA, SHARE, Mesh, from_both_ends, graded, joined, middles, solve
 
 LEAST_DISTANCE = 30.0  # wall units: the mixing length at the inlet is at most kappa (distance + this)

@@ -1,7 +1,7 @@
 """Spheres in a cellular flow with SciPy's integrators: a thousand at once, arrays of NumPy.
 
 Forces: Brown-Lawler drag, weight less buoyancy, added mass, fluid acceleration, lift (the
-formulas of tools/transport_exact.py). PROBLEM: vortex (Runge-Kutta 5(4)) or reference (order 8,
+formulas of tools/peers/spheres_exact.py). PROBLEM: vortex (Runge-Kutta 5(4)) or reference (order 8,
 tolerance 1e-12, not timed, LEVEL 0); LEVEL: tolerance 1e-2, 1e-4, 1e-6. A third word, FILE.npy, names a file for
 the positions and velocities at the end.
 """
@@ -13,7 +13,7 @@ from tools.peers.common import asked, report
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from tools.transport_exact import brown_lawler
+from tools.peers.spheres_exact import brown_lawler
 
 NUMBER, RADIUS, DENSITY, START_X, SPREAD, END = 1000, 0.001, 2500.0, 0.5, 1.5, 0.5
 RHO, MU, GRAVITY = 1000.0, 0.001, 9.81

@@ -1,7 +1,7 @@
 """Awkward meshes, made from good ones: renumbered, clockwise, with slivers, graded 100 to 1."""
 import numpy as np
 
-from tools.command import BadInput
+from tools.base.command import BadInput
 from tools.meshing.plane_mesh import PlaneMesh, signed_areas
 
 KINDS = ("plain", "renumbered", "clockwise", "slivers of 5 degrees", "slivers of 1 degree", "slivers of 0.1 degrees", "graded 10:1", "graded 100:1")

@@ -11,13 +11,13 @@ from pathlib import Path
 
 import numpy as np
 
-from tools.command import ROOT
-from tools.mesh import parser
+from tools.base.command import ROOT
+from tools.meshing.main import parser
 from tools.meshing import CASES
 from tools.meshing.medit import write
 from tools.stress.awkward import spoiled
 from tools.stress.classes import Checks
-from tools.tables import write_text
+from tools.base.tables import write_text
 
 MAKERS = [*ROOT.glob("tools/meshing/*.py"), ROOT / "tools/stress/awkward.py"]
 MAKING = threading.Lock()  # gmsh serves one thread at a time
@@ -76,12 +76,13 @@ class Mesh:
 
 @dataclass
 class Disks:
-    """Particles for -particles: rows (id, x, y, radius, density, u, v, omega), units of the case."""
+    """Particles for -particles: rows of the columns, units of the case."""
     rows: np.ndarray
+    columns: str = "id,x,y,radius,density,u,v,omega"
 
     def make(self, folder):
         """Write the CSV, named after its contents; returns the path."""
-        text = "id,x,y,radius,density,u,v,omega\n"
+        text = self.columns + "\n"
         text += "".join(",".join([f"{row[0]:.0f}", *(f"{value:.17g}" for value in row[1:])]) + "\n" for row in self.rows)
         path = Path(folder) / f"disks_{hashlib.sha256(text.encode()).hexdigest()[:12]}.csv"
         with MAKING:  # cells that run side by side share it

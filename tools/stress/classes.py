@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tools.command import BadInput
-from tools.run_folder import RunFolder
+from tools.base.command import BadInput
+from tools.base.run_folder import RunFolder
 from tools.stress.overlap import aspects, crossing, pair_overlap, solid_segments, wall_overlap
 
 LETTERS = {"accurate": "A", "stable": "S", "stopped": "C", "late": "T", "overlap": "O", "blown up": "B",
@@ -23,7 +23,8 @@ WORDS = {"accurate": "stable and accurate", "stable": "stable", "stopped": "stop
          "late": "out of time", "overlap": "overlap", "blown up": "blown up", "not run": "not run"}
 GOOD, FAILED = ("accurate", "stable"), ("overlap", "blown up", "not run")
 TABLES = ("particles", "fluid", "contacts", "motion", "errors", "forces", "budget", "summary", "lines", "wall", "steps", "entries", "exits")
-LATE = (24, -24, 124)  # statuses: FreeFEM on SIGXCPU, a program that SIGXCPU ended, tools.runner at its limit
+KINETIC, LATER, LOSSES = 0.02, 0.2, 0.25  # excesses above which energy counts as created (see excess())
+LATE = (24, -24, 124)  # statuses: FreeFEM on SIGXCPU, a program that SIGXCPU ended, tools.base.runner at its limit
 
 
 @dataclass
@@ -33,12 +34,14 @@ class Checks:
     bounds: {"table.column": largest absolute value}, units of the case. end: end time, s
     (None: a steady case, which writes results.csv). deepest: overlap allowed, of the smaller
     radius. period: of the domain, 0 for none. within: {"x": (low, high)} for every centre.
+    energy: kinetic energy at the start, J/m, for scenes whose budget.csv is held to it (not_created).
     """
     bounds: dict = field(default_factory=dict)
     end: float = None
     deepest: float = 1e-6
     period: tuple = (0.0, 0.0)
     within: dict = field(default_factory=dict)
+    energy: float = None
 
 
 def judge(done, checks, folder, error=None):
@@ -56,7 +59,7 @@ def judge(done, checks, folder, error=None):
         tables = {name: run.table(name) for name in TABLES if run.has(name)}
         if run.has("results"):
             tables["results"] = {name: np.array([value]) for name, value in run.results.items()}
-        fault = not_finite(tables) or not_bounded(tables, checks.bounds) or not_at_end(tables, checks.end)
+        fault = not_finite(tables) or not_bounded(tables, checks.bounds) or not_at_end(tables, checks.end) or created(tables, checks.energy)
         if fault:
             return "blown up", fault, depth
         if "particles" in tables and len(tables["particles"]["t"]):
@@ -106,6 +109,28 @@ def not_at_end(tables, end):
     if not last:
         return "it wrote no rows"
     return "" if max(last) >= end * (1 - 1e-6) else f"its rows end at t = {max(last):.6g} of {end:g}"
+
+
+def excess(budget, start):
+    """Largest excess of the kinetic energy, and of it with the dissipation, over the energy at the start and the work; and of the
+    kinetic energy over that of any earlier row and the work since: each over the largest sum of start and work."""
+    kinetic, given, spent = budget["kinetic_energy"], start + budget["work"], budget["dissipated"]
+    scale = max(given.max(), start, 1e-300)
+    since = kinetic - given
+    gains = since - np.minimum.accumulate(since)
+    return since.max() / scale, (since + spent).max() / scale, gains.max() / scale
+
+
+def created(tables, start):
+    """Energy that nothing supplied, in words."""
+    if start is None:
+        return ""
+    whole, with_losses, later = excess(tables["budget"], start)
+    if whole > KINETIC:
+        return f"budget.csv: the kinetic energy exceeds work and energy at the start by {whole:.2g} of them"
+    if later > LATER:
+        return f"budget.csv: the kinetic energy gains {later:.2g} of work and energy at the start that the work since does not cover"
+    return f"budget.csv: kinetic energy and dissipation exceed work and energy at the start by {with_losses:.2g} of them" if with_losses > LOSSES else ""
 
 
 def overlapping(run, table, checks):

@@ -4,7 +4,7 @@ import textwrap
 
 from matplotlib.patches import Patch, Rectangle
 
-from tools.plotting import PAGE_WIDTH, plt, save
+from tools.plot.style import PAGE_WIDTH, plt, save
 from tools.stress.classes import LETTERS, WORDS
 
 # Pale to dark in grey print too; hatched where a run failed.

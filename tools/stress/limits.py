@@ -1,6 +1,6 @@
 """Where the maps end: the limits in words, each with its remedy; the defaults must lie inside."""
 from tools.stress.classes import FAILED, GOOD, LETTERS, WORDS
-from tools.tables import write_table, write_text
+from tools.base.tables import write_table, write_text
 
 COLUMNS = ["map", "class", "where", "cells", "example", "remedy"]
 

@@ -3,7 +3,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from tools.contact_problems import packing
+from tools.peers.contact_problems import packing
 from tools.stress.cells import Axis, Cell, Disks, Map, Mesh
 from tools.stress.classes import Checks
 

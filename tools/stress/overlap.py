@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tools.mesh_files import OPEN
+from tools.base.mesh_files import OPEN
 from tools.meshing.labels import LABELS
 
 PAIRED = {0: (LABELS["left"], LABELS["right"]), 1: (LABELS["bottom"], LABELS["top"])}

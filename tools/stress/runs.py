@@ -9,12 +9,12 @@ import time
 
 import numpy as np
 
-from tools.command import BadInput
-from tools.run_folder import RunFolder
-from tools.runner import Done, commit, fingerprint, freefem, option_words, run_command, side_by_side
+from tools.base.command import BadInput
+from tools.base.run_folder import RunFolder
+from tools.base.runner import Done, commit, fingerprint, freefem, option_words, run_command, side_by_side
 from tools.stress.cells import Disks, Mesh
 from tools.stress.classes import GOOD, LATE, WORDS, judge
-from tools.tables import write_table, write_text
+from tools.base.tables import write_table, write_text
 
 NICE = 10  # wall-clock seconds a CPU second may take before a cell counts as hanging
 COLUMNS = ["map", "x", "y", "part", "class", "reason", "error", "tolerance", "overlap_radii", "status", "cpu_s",

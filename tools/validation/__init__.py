@@ -19,10 +19,10 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from tools.command import BadInput
-from tools.run_folder import RunFolder
-from tools.runner import make_mesh, run_case
-from tools.study import mesh_name
+from tools.base.command import BadInput
+from tools.base.run_folder import RunFolder
+from tools.base.runner import make_mesh, run_case
+from tools.study.study import mesh_name
 
 
 class Failed(Exception):

@@ -1,5 +1,5 @@
 """Contacts: problems with exact answers, a QP package, the falling particles."""
-from tools import validate_contacts as contacts
+from tools.validation import contact_targets as contacts
 
 SOURCES = [
     (contacts.instances, "exact solutions, two independent solvers"),

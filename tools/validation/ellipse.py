@@ -8,7 +8,7 @@ whose error falls with the first power of the cell.
 """
 import numpy as np
 
-from tools.plotting import PAGE_WIDTH, curve, plt, save
+from tools.plot.style import PAGE_WIDTH, curve, plt, save
 from tools.validation import Failed
 from tools.validation.particles import axes_of, points, reference
 

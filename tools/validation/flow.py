@@ -6,10 +6,10 @@ Comput. Fluids 37 (2008). Expansion 1:3: Fearn, Mullin & Cliffe, J. Fluid Mech. 
 """
 import numpy as np
 
-from tools.command import ROOT
-from tools.extrema import peak, vortices
-from tools.plotting import PAGE_WIDTH, curve, plt, save
-from tools.tables import read_table
+from tools.base.command import ROOT
+from tools.base.tables import read_table
+from tools.plot.style import PAGE_WIDTH, curve, plt, save
+from tools.study.extrema import peak, vortices
 from tools.validation import Failed
 from tools.validation.turbulence import turbulence
 

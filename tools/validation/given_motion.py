@@ -1,11 +1,11 @@
 """A cylinder that is moved to and fro: Morison's coefficients of the force on it.
 
 H. Duetsch, F. Durst, S. Becker & H. Lienhart, J. Fluid Mech. 360 (1998) 249: C_d = 2.09, C_i = 1.45 at a Reynolds number of
-100 and a Keulegan-Carpenter number of 5. Body-fitted: tools/body_fitted/oscillating_cylinder.edp, in the frame of the cylinder.
+100 and a Keulegan-Carpenter number of 5. Body-fitted: tools/peers/body_fitted/oscillating_cylinder.edp, in the frame of the cylinder.
 """
 import numpy as np
 
-from tools.plotting import curve, save
+from tools.plot.style import curve, save
 from tools.validation import Failed
 from tools.validation.particles import axes_of
 

@@ -13,7 +13,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from tools.plotting import PAGE_WIDTH, curve, plt, save
+from tools.plot.style import PAGE_WIDTH, curve, plt, save
 from tools.validation import Failed
 from tools.validation.flow import FEAT, VORTICES, vortices_of
 

@@ -11,9 +11,9 @@ points across the disk gives a largest Reynolds number of 505, a lattice Boltzma
 """
 import numpy as np
 
-from tools.command import ROOT
-from tools.plotting import PAGE_WIDTH, curve, plt, save
-from tools.tables import read_table
+from tools.base.command import ROOT
+from tools.base.tables import read_table
+from tools.plot.style import PAGE_WIDTH, curve, plt, save
 from tools.validation import Failed
 
 FITTED = "body-fitted P2/P1"

@@ -1,16 +1,16 @@
 """A disk settling in a closed box, against a body-fitted transient and published curves.
 
 Box 2 x 6 cm, d = 0.25 cm, rho_s = 1.25 g/cm3, mu = 0.1 g/(cm s), from rest at (1, 4).
-Body-fitted: tools/body_fitted/settling_disk.edp, which shares no code with the suite; its numbers
+Body-fitted: tools/peers/body_fitted/settling_disk.edp, which shares no code with the suite; its numbers
 stand in tests/reference/settling_disk_body_fitted.csv. Peak velocity 5.59 cm/s and the curves: Koblitz, Lovett, Nikiforakis and
 Henshaw, J. Comput. Phys. 343 (2017) 414-431, figures 6a and 6b, digitised (about 1 %).
 """
 import numpy as np
 
-from tools import quantities
-from tools.command import ROOT
-from tools.plotting import PAGE_WIDTH, curve, plt, save
-from tools.tables import read_table
+from tools.base import quantities
+from tools.base.command import ROOT
+from tools.base.tables import read_table
+from tools.plot.style import PAGE_WIDTH, curve, plt, save
 from tools.validation import Failed
 
 DIAMETER, PEAK = 0.25, 5.59

@@ -1,15 +1,15 @@
 """A cylinder on springs in a stream, shaken by its vortices: amplitude and frequency of its swings.
 
-Body-fitted: tools/body_fitted/sprung_cylinder.edp, which shares no code with the suite; a period of its path stands in
+Body-fitted: tools/peers/body_fitted/sprung_cylinder.edp, which shares no code with the suite; a period of its path stands in
 tests/reference/sprung_cylinder_body_fitted.csv, with how far it is refined.
 """
 from collections import namedtuple
 
 import numpy as np
 
-from tools.command import ROOT
-from tools.plotting import PAGE_WIDTH, curve, plt, save
-from tools.tables import read_table
+from tools.base.command import ROOT
+from tools.base.tables import read_table
+from tools.plot.style import PAGE_WIDTH, curve, plt, save
 from tools.validation import Failed
 
 CASE, SOURCE = "cases/sprung_cylinder.edp", "body-fitted P2/P1"

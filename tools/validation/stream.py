@@ -5,7 +5,7 @@ bounds are of this project, set after the runs had been seen: they guard against
 """
 import numpy as np
 
-from tools.plotting import curve, save
+from tools.plot.style import curve, save
 from tools.validation import Failed
 from tools.validation.particles import axes_of, last
 

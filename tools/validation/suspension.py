@@ -7,8 +7,8 @@ of 0.05, two disks that meet again and again, the step is to leave no error: a q
 """
 import numpy as np
 
-from tools import quantities
-from tools.plotting import curve, save
+from tools.base import quantities
+from tools.plot.style import curve, save
 from tools.validation import Failed
 from tools.validation.particles import axes_of
 

@@ -1,2 +1,4 @@
-"""Particles carried one way, against exact solutions (tools/validate_transport.py)."""
-from tools.validate_transport import VALIDATIONS  # noqa: F401  (found by name)
+"""Particles carried one way, against exact solutions (tools/validation/spheres.py)."""
+from tools.validation.spheres import SPHERES
+
+VALIDATIONS = SPHERES

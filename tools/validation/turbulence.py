@@ -1,12 +1,18 @@
-"""Steady flows, laminar and of the turbulence model, against exact, measured and published figures.
+"""Steady flows, laminar and of the turbulence model, against exact, measured and published figures: those of tools.validate, by the name of the run.
 
-The runs of `flow` and of python -m tools.validate_steady, which picks among them by name.
+    python -m tools.validate_steady [--only WORD] [--out FOLDER]
+
+Writes report.html and report.csv, as python -m tools.validate does, into FOLDER (default
+results/validate_steady). Status 0: all pass; 1: something does not; 3: bad input.
 """
 import csv
 import math
+from functools import partial, update_wrapper
 
-from tools.command import ROOT, BadInput
+from tools.base.command import ROOT, BadInput, Parser, out_folder
+from tools.base.runner import freefem
 from tools.validation import Failed
+from tools.validation.main import validate
 
 KIM = [("reattachment_over_height", "standard k-epsilon, published: 5 to 6.25", 5, 6.25), ("reattachment_over_height", "measured: 7 +- 1 (Kim et al. 1980)", 6, 8)]
 CHANNEL, STEP, LOSS, PIPE = (f"cases/{name}.edp" for name in ("turbulent_channel", "turbulent_step", "diaphragm_loss", "pipe_flow"))
@@ -68,3 +74,22 @@ def turbulence(context):
     """Channel and pipe friction, steps, diaphragms, the pipe of the paper: k-epsilon with wall functions."""
     for run in RUNS:
         yield from judged(context, run)
+
+
+def comparison(run):
+    """One run as a comparison of tools.validate."""
+    return update_wrapper(partial(judged, run=run), judged)
+
+
+def main(words=None):
+    """0 if all pass, 1 if not."""
+    parser = Parser(prog="python -m tools.validate_steady", description=__doc__)
+    parser.add_argument("--only", metavar="WORD", default="", help="runs whose name holds this word")
+    parser.add_argument("--out", type=out_folder, metavar="FOLDER", default=str(ROOT / "results" / "validate_steady"), help="folder (default results/validate_steady)")
+    given = parser.parse_args(words)
+    chosen = [run for run in RUNS if given.only in run[0]]
+    if not chosen:
+        raise BadInput(f"no run has '{given.only}' in its name: " + ", ".join(run[0] for run in RUNS))
+    freefem()
+    rows = validate([("flow", comparison(run)) for run in chosen], given.out, say=lambda line: print(line, flush=True))
+    return 0 if all(row.passed for row in rows) else 1

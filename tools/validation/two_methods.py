@@ -7,9 +7,9 @@ their errors stand in penalty.csv beside the figure.
 As eps -> 0 the published scheme settles on an error of its own, that of its mesh, which falls about as h,
 and of its time step of 0.005 s (a fifth of it with 4 elements across).
 """
-from tools import quantities
-from tools.plotting import PAGE_WIDTH, curve, plt, save
-from tools.tables import write_table
+from tools.base import quantities
+from tools.base.tables import write_table
+from tools.plot.style import PAGE_WIDTH, curve, plt, save
 from tools.validation import Failed
 from tools.validation.settling_disk import fitted_mean
 

@@ -1,0 +1,188 @@
+"""Run a case from any folder, and say in one sentence why one does not compile.
+
+    python -m tools.run CASE.edp [options of the case]
+
+FreeFEM reads the case first without running it. Where it does not compile, nothing runs: the
+last line, on the error stream, is "error: ...", which names the missing or misspelt name and the
+line of the case, and the status is 3. The same holds for a few mistakes that compile, but compute
+something else: a variable called x, y, N, label or the like, which hides FreeFEM's own.
+
+A case that compiles runs in the folder of this project, as by FreeFem++ -nw, and the status is
+FreeFEM's (128 + signal where a signal ended it). Its output passes through; a line "error: ..." is
+held back until FreeFEM has ended, so that it is the last one. Files that options name (-mesh,
+-particles, -restart, -out, ...) are taken from the folder where you are; what is not there, but in
+the folder of the project, as meshes/cavity.mesh, is taken from there, and without -out the run
+lies in its results/. Files that the text of the case names are looked for in the project, and
+includes beside the case too. Ctrl-C, SIGTERM and SIGHUP reach FreeFEM and what it has started;
+nothing is left running.
+
+From another folder: python FOLDER_OF_THE_PROJECT/tools/run.py CASE.edp, or set PYTHONPATH to it.
+FREEFEM in the environment names another FreeFem++.
+"""
+
+import argparse
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+from tools.base.command import ROOT, BadInput, Ended, Parser
+from tools.base.runner import freefem
+
+COMPILE_LIMIT = 120  # s
+GRACE = 3  # s, from a signal to SIGKILL
+
+
+def main():
+    """The tool. Returns the status."""
+    parser = Parser(prog="python -m tools.run", description=__doc__)
+    parser.add_argument("case", help="the case, a script of FreeFEM")
+    parser.add_argument("options", nargs=argparse.REMAINDER, help="options of the case, as -tend 1; -help lists them")
+    words = parser.parse_args()
+    case = found(words.case)
+    environment = surroundings(case)
+    refuse_what_does_not_compile(case, words.case, environment)
+    return run([freefem(), "-nw", str(case), *from_here(case, words.options)], environment)
+
+
+def found(name):
+    """The whole path of the case. Raises BadInput where it cannot be read."""
+    path = Path(name)
+    for folder in (Path.cwd(), ROOT):
+        if (folder / path).is_file():
+            path = Path(os.path.abspath(folder / path))
+            break
+    else:
+        near = [str(file.relative_to(ROOT)) for file in sorted((ROOT / "cases").glob("*.edp"))]
+        from tools.compile_errors.project import nearest
+
+        best = nearest(name, near) or nearest(f"cases/{path.name}", near)
+        raise BadInput(f"there is no script {name}" + (f"; is {best} meant?" if best else ""))
+    if path.suffix != ".edp":
+        raise BadInput(f"{name} is no script of FreeFEM: its name must end with .edp")
+    if b"\0" in path.read_bytes():
+        raise BadInput(f"{name} is no plain text (saved as UTF-16?): save it as UTF-8")
+    return path
+
+
+def surroundings(case):
+    """The environment of FreeFEM: it looks for includes in the project, then in the folders of the case and of the user."""
+    before = os.environ.get("FF_INCLUDEPATH", "")
+    folders = [*([before] if before else []), str(case.parent), str(Path.cwd())]
+    return {**os.environ, "FF_INCLUDEPATH": ";".join(folders)}
+
+
+def refuse_what_does_not_compile(case, shown, environment):
+    """Raises BadInput with the sentence where FreeFEM does not take the case."""
+    from tools.compile_errors import explain
+
+    try:
+        done = subprocess.run(
+            [freefem(), "-nw", *explain.COMPILE, str(case)],
+            cwd=ROOT,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            timeout=COMPILE_LIMIT,
+        )
+    except subprocess.TimeoutExpired:
+        raise BadInput(f"FreeFEM has not read {shown} to its end after {COMPILE_LIMIT} s: does a file include itself?") from None
+    said = explain.sentence(case, shown, done.stdout) if done.returncode else explain.before_run(case, shown)
+    if said:
+        raise BadInput(said)
+
+
+def from_here(case, options):
+    """The options of a case: files among them as whole paths from the user's folder, unless only the project has them."""
+    if Path.cwd() == ROOT:
+        return options
+    files, words = file_options(case), list(options)
+    for place, name in enumerate(words[:-1]):
+        value = words[place + 1]
+        if name not in files or not value or (files[name] and not (Path.cwd() / value).exists() and (ROOT / value).exists()):
+            continue
+        words[place + 1] = str(Path.cwd() / value)
+    return words
+
+
+def file_options(case):
+    """{option: whether the case only reads it} of the options that name a file or folder."""
+    from tools.compile_errors.names import included
+
+    texts, waiting, seen = [], [case], set()
+    while waiting:
+        path = waiting.pop()
+        if path in seen or not path.is_file():
+            continue
+        seen.add(path)
+        texts.append(path.read_text(encoding="utf-8", errors="replace"))
+        waiting += [folder / name for name in included(texts[-1]) for folder in (ROOT, path.parent)]
+    found = re.findall(r'optFile\("(-[\w-]+)",[^,]*,\s*"([^"]*)', "\n".join(texts))
+    return {name: name != "-out" and "to write" not in about for name, about in found}
+
+
+def run(command, environment):
+    """Run FreeFEM; lines "error: ..." of its error stream come last. Returns its status, or 128 + the signal that ended it."""
+    sys.stdout.flush()
+    process, reader, held = None, None, []
+    try:
+        process = subprocess.Popen(command, cwd=ROOT, env=environment, stderr=subprocess.PIPE, start_new_session=True)
+        reader = threading.Thread(target=pass_on, args=(process.stderr, held), daemon=True)
+        reader.start()
+        status = process.wait()
+    except KeyboardInterrupt as problem:
+        if process:
+            end(process, problem.args[0] if isinstance(problem, Ended) else signal.SIGINT)
+        raise
+    finally:
+        if reader:
+            reader.join(1)  # what FreeFEM has started may hold the stream open
+        write(b"".join(held))
+    return status if status >= 0 else 128 - status
+
+
+def pass_on(stream, held):
+    """Write the lines of a stream to our error stream, but for those that begin with "error: ", which are held."""
+    for line in stream:
+        if line.startswith(b"error: "):
+            held.append(line)
+        else:
+            write(line)
+
+
+def write(data):
+    """Bytes to the error stream, at once."""
+    sys.stderr.flush()
+    stream = getattr(sys.stderr, "buffer", None)
+    if stream:
+        stream.write(data)
+        stream.flush()
+    else:
+        sys.stderr.write(data.decode(errors="replace"))
+
+
+def end(process, number):
+    """Pass a signal on to FreeFEM and all that it has started; what is left after GRACE seconds is killed.
+
+    Further signals are not heard meanwhile.
+    """
+    for other in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(other, signal.SIG_IGN)
+    try:
+        for how in (number, signal.SIGKILL):
+            os.killpg(process.pid, how)
+            limit = time.monotonic() + GRACE
+            while time.monotonic() < limit:
+                process.poll()
+                os.killpg(process.pid, 0)
+                time.sleep(0.02)
+    except ProcessLookupError:
+        process.wait()
+

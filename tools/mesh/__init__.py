@@ -1,0 +1,1 @@
+"""python -m tools.mesh: the mesh of a case (tools/meshing/main.py)."""

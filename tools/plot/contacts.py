@@ -1,0 +1,293 @@
+"""Pictures of a run of contacts alone: frames, force chains, energies and a film.
+
+    python -m tools.plot_contacts results/falling_particles/run_001
+    python -m tools.plot_contacts RUN --times 0 1 10 20 60 80 100 --only frames chains
+
+Reads particles.csv, contacts.csv, motion.csv, walls.csv and wallmoves.csv of the run; leaves frames.png
+(positions left, velocities right), chains.png (forces at the last time), energy.png and
+film.mp4 (a gif where no mp4 can be made). Colours: viridis for speeds.
+"""
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.colors import LogNorm
+
+from tools.base.command import BadInput, Parser, number, whole
+from tools.base.run_folder import RunFolder
+from tools.plot.film import frame_rate, shot, thinned, write_film
+from tools.plot.style import BODY, BODY_EDGE, FIELD_MAP, PAGE_WIDTH, ROUNDING, curve, fit_ticks, plt, save, time_text
+
+MADE = ["frames", "chains", "energy", "film"]
+FIGURE_TIMES = [0, 1, 10, 20, 60, 80, 100]  # of the falling particles
+
+
+class ContactRun(RunFolder):
+    """A run folder with its frames: frame(k) is a dict of columns at times[k]."""
+
+    @cached_property
+    def _moves(self):
+        return self.columns("wallmoves") if self.has("wallmoves") else None
+
+    def walls_at(self, t):
+        """Segments (S, 2, 2), those that have moved where they are at the time t."""
+        walls = self.walls
+        if self._moves is not None:
+            walls, rows = walls.copy(), self._moves
+            last = {int(-1 - rows["wall"][k]): k for k in np.flatnonzero(rows["t"] <= t * (1 + 1e-12))}
+            later = max(last, default=-1) + 1 - len(walls)  # that came after the start
+            if later > 0:
+                walls = np.concatenate([walls, np.full((later, 2, 2), np.nan)])
+            for wall, k in last.items():
+                walls[wall] = [[rows["x1"][k], rows["y1"][k]], [rows["x2"][k], rows["y2"][k]]]
+        return walls
+
+    @cached_property
+    def _starts(self):
+        if not self.has("particles") or not len(self.columns("particles", "u", "v")["t"]):
+            raise BadInput(f"the run {self.folder} has no particles.csv with rows")
+        times, first = np.unique(self.particles["t"], return_index=True)
+        return times, np.r_[first, len(self.particles["t"])]
+
+    @property
+    def times(self):
+        """Times of the frames."""
+        return self._starts[0]
+
+    def frame(self, k):
+        """Columns of particles.csv at the k-th time, and the speed."""
+        part = slice(self._starts[1][k], self._starts[1][k + 1])
+        columns = {name: values[part] for name, values in self.particles.items()}
+        if any(self.period):
+            rows = self.images(np.column_stack([np.arange(len(columns["x"])), *(columns[name] for name in ("x", "y", "theta", "radius", "radius"))]))
+            columns = {name: values[rows[:, 0].astype(int)] for name, values in columns.items()} | {"x": rows[:, 1], "y": rows[:, 2]}
+        columns["speed"] = np.hypot(columns["u"], columns["v"])
+        return columns
+
+    @cached_property
+    def view(self):
+        """(x0, x1, y0, y1) that holds every disk at every time."""
+        p = self.particles
+        x0, x1 = (p["x"] - p["radius"]).min(), (p["x"] + p["radius"]).max()
+        y0, y1 = (p["y"] - p["radius"]).min(), (p["y"] + p["radius"]).max()
+        room = 0.02 * max(x1 - x0, y1 - y0)
+        sides = [(x0 - room, x1 + room), (y0 - room, y1 + room)]
+        (x0, x1), (y0, y1) = [(low, low + period) if period > 0 else side for side, low, period in zip(sides, self.low, self.period)]
+        return x0, x1, y0, y1
+
+    @cached_property
+    def speeds(self):
+        """Ends of the colour scale: the greatest speed and a 1e-4 part of it."""
+        top = float(np.hypot(self.particles["u"], self.particles["v"]).max())
+        return (1e-4 * top, top) if top > 0 else (1e-4, 1.0)
+
+
+def nearest(run, times):
+    """Places of the frames nearest to the times, none twice."""
+    return sorted({int(np.abs(run.times - t).argmin()) for t in times})
+
+
+def chosen(run, number=7):
+    """Times to show: those of the figure of falling particles where the run reaches them."""
+    end = run.times[-1]
+    return FIGURE_TIMES if abs(end - 100) < 1 else np.linspace(run.times[0], end, number)
+
+
+def draw(axes, run, frame, speed=None):
+    """Walls and disks; with `speed` (LogNorm) disks are filled by it. Returns the disks."""
+    axes.add_collection(LineCollection(run.walls_at(frame["t"][0]), color="black", linewidth=1.0, capstyle="round", zorder=4, label="walls"))
+    width = 2 * frame["radius"]
+    thin = 0.4 if len(width) < 1000 else 0.1
+    disks = EllipseCollection(width, width, np.zeros(len(width)), units="xy", offsets=np.column_stack([frame["x"], frame["y"]]),
+                              transOffset=axes.transData, edgecolor=BODY_EDGE, linewidth=thin, facecolor=BODY, zorder=3)
+    if speed is not None:
+        if len(width) >= 200:  # outlines would hide the colours
+            disks.set_edgecolor("none")
+        disks.set(cmap=FIELD_MAP, norm=speed, array=np.clip(frame["speed"], speed.vmin, speed.vmax), facecolor=None)
+    axes.add_collection(disks)
+    axes.set_xlim(run.view[:2])
+    axes.set_ylim(run.view[2:])
+    axes.set_aspect("equal")
+    for side in axes.spines.values():
+        side.set_visible(False)
+    return disks
+
+
+def plot_frames(run, path, times=None):
+    """Positions left, velocities right, a pair for each time, two pairs beside each other."""
+    places = nearest(run, chosen(run) if times is None else times)
+    rows = -(-len(places) // 2)
+    x0, x1, y0, y1 = run.view
+    wide = (PAGE_WIDTH - 1.5) / 4
+    tall = min(wide * (y1 - y0) / (x1 - x0), 2.3)
+    figure, axes = plt.subplots(rows, 4, figsize=(PAGE_WIDTH, rows * (tall + 0.3) + 0.75), squeeze=False,
+                                gridspec_kw={"left": 0.075, "right": 0.87, "bottom": 0.5 / (rows * (tall + 0.3) + 0.75),
+                                             "top": 1 - 0.42 / (rows * (tall + 0.3) + 0.75), "wspace": 0.22, "hspace": 0.3 / tall})
+    norm = LogNorm(*run.speeds)
+    disks = None
+    for cell in range(2 * rows):
+        left, right = axes[cell // 2, 2 * (cell % 2):2 * (cell % 2) + 2]
+        if cell >= len(places):
+            left.set_axis_off()
+            right.set_axis_off()
+            continue
+        frame = run.frame(places[cell])
+        draw(left, run, frame)
+        disks = draw(right, run, frame, norm)
+        moving = frame["speed"] > run.speeds[0]
+        if moving.any() and len(moving) < 1000:
+            # Arrows of one length show where a disk goes; its colour says how fast.
+            direction = np.column_stack([frame["u"], frame["v"]])[moving] / frame["speed"][moving, None]
+            reach = 1.6 * frame["radius"][moving]
+            right.quiver(frame["x"][moving], frame["y"][moving], reach * direction[:, 0], reach * direction[:, 1], color="black",
+                         angles="xy", scale_units="xy", scale=1, width=0.008, headwidth=4, headlength=4.5, headaxislength=4, zorder=5)
+        left.set_title(time_text(run.times[places[cell]], run.units["time"], run.times[places[-1]]), loc="left", pad=2)
+        last = cell + 2 >= len(places)
+        for axis in (left, right):
+            axis.tick_params(labelbottom=last, labelleft=axis is axes[cell // 2, 0], length=2)
+            axis.locator_params(axis="y", nbins=int(np.clip(tall / 0.17, 1, 4)), min_n_ticks=1)
+            axis.has_neighbour = True
+            fit_ticks(axis, axis.get_position().width * figure.get_figwidth())
+            if last:
+                axis.set_xlabel(f"x ({run.units['length']})")
+        if cell % 2 == 0:
+            left.set_ylabel(f"y ({run.units['length']})")
+    bar = figure.colorbar(disks, cax=figure.add_axes((0.895, 0.3, 0.018, 0.4)), extend="min")
+    bar.set_label(f"speed ({run.units_per_depth['speed']})")
+    figure.canvas.draw()  # now the tick labels are known: what is wide gets its room
+    over = 0.01 - min(axis.get_tightbbox().x0 for axis in axes[:, 0]) / figure.bbox.width
+    if over > 0:
+        axes[0, 0].get_gridspec().update(left=0.075 + over)
+    figure.suptitle(f"{run.title}: positions (left) and velocities (right)", fontsize=10, y=1 - 0.1 / figure.get_figheight())
+    return save(figure, path)
+
+
+def plot_chains(run, path):
+    """Normal forces at the last time that has contacts, as lines between the centres."""
+    contacts = run.columns("contacts", "gap", "nx", "ny", "impulse")
+    if not len(contacts["t"]):
+        raise BadInput(f"the run {run.folder} has no contacts to draw")
+    t = contacts["t"][-1]
+    now = contacts["t"] == t
+    frame = run.frame(nearest(run, [t])[0])
+    place = {int(name): k for k, name in reversed(list(enumerate(frame["id"])))}  # of a disk, not of its copies
+    strange = [int(a) for a in (*contacts["i"][now], *contacts["j"][now]) if a >= 0 and int(a) not in place]
+    if strange:
+        raise BadInput(f"{run.folder / 'contacts.csv'} names particle {strange[0]} at t = {t:g}, where particles.csv has none")
+    i = np.array([place[int(a)] for a in contacts["i"][now]])
+    motion = run.columns("motion")
+    j, step = contacts["j"][now].astype(int), motion["t"][-1] / max(motion["step"][-1], 1)  # -dt is shortened to a whole part of -tend
+    if not step > 0:
+        raise BadInput(f"{run.folder / 'motion.csv'} has no row behind the start: impulses of contacts need a step to be forces")
+    force = contacts["impulse"][now] / step
+    a = np.column_stack([frame["x"], frame["y"]])[i]
+    normal = np.column_stack([contacts["nx"][now], contacts["ny"][now]])
+    other = np.array([frame["radius"][place[k]] if k >= 0 else 0.0 for k in j])
+    b = a - normal * (frame["radius"][i] + contacts["gap"][now] + other)[:, None]
+    x0, x1, _, _ = run.view
+    y0 = run.view[2]
+    y1 = (frame["y"] + frame["radius"]).max() + 0.02 * (x1 - x0)
+    scale = min(5.4 / (x1 - x0), 7.0 / (y1 - y0))
+    figure, axes = plt.subplots(figsize=((x1 - x0) * scale + 1.6, max((y1 - y0) * scale + 1.1, 3.4)), layout="constrained")
+    draw(axes, run, frame)
+    axes.set_ylim(y0, y1)
+    thick = 4.0 if len(force) < 1000 else 1.6
+    lines = LineCollection(np.stack([a, b], axis=1), linewidths=0.3 + thick * force / force.max(), cmap=FIELD_MAP, array=force, zorder=6, capstyle="round")
+    axes.add_collection(lines)
+    figure.colorbar(lines, ax=axes, shrink=0.8).set_label(f"normal force per depth ({run.units_per_depth['force']})")
+    axes.set(xlabel=f"x ({run.units['length']})", ylabel=f"y ({run.units['length']})", title=f"{run.title}: forces at {time_text(t, run.units['time'])}")
+    return save(figure, path)
+
+
+def plot_energy(run, path):
+    """Kinetic and potential energy, and overlap, in time."""
+    motion = run.columns("motion")
+    t = motion["t"]
+    figure, (top, low) = plt.subplots(2, 1, figsize=(PAGE_WIDTH, 4.6), sharex=True, layout="constrained")
+    fallen = motion["potential_energy"] - motion["potential_energy"].min()
+    floor = 1e-6 * max(motion["kinetic_energy"].max(), fallen.max(), 1e-300)
+    for k, (values, name) in enumerate(((motion["kinetic_energy"], "kinetic"), (fallen, "potential, above its least"))):
+        top.semilogy(t, np.maximum(values, 0.01 * floor), label=name, **curve(k))  # what is less than the floor, 0 too, leaves the picture below
+    top.set_ylim(bottom=floor)
+    top.set_ylabel(f"energy per depth\n({run.units_per_depth['energy']})")
+    top.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)  # a run that ends before rest has curves everywhere
+    radius = run.particles["radius"].min()
+    overlap = np.where(motion["worst_gap"] < -ROUNDING * radius, -motion["worst_gap"] / radius, np.nan)
+    low.set(xlabel=f"t ({run.units['time']})", ylabel="greatest overlap /\nsmallest radius")
+    if np.isfinite(overlap).any():
+        low.semilogy(t, overlap, marker=".", **curve(0))
+    else:
+        low.text(0.5, 0.5, f"no overlap above {ROUNDING:g} at any time", transform=low.transAxes, ha="center", va="center")
+        low.set_yticks([])
+    for axes in (top, low):
+        axes.grid(True)
+    figure.suptitle(f"{run.title}: energy and overlap", fontsize=10)
+    return save(figure, path)
+
+
+def shots(run, places):
+    """The frames of the film one by one."""
+    x0, x1, y0, y1 = run.view
+    scale = min(6.0 / (x1 - x0), 6.4 / (y1 - y0))
+    size = max((x1 - x0) * scale + 1.7, 3.2), (y1 - y0) * scale + 1.0
+    figure = plt.figure(figsize=size, dpi=140)
+    axes = figure.add_axes((0.62 / size[0], 0.5 / size[1], (x1 - x0) * scale / size[0], (y1 - y0) * scale / size[1]))
+    norm = LogNorm(*run.speeds)
+    disks = draw(axes, run, run.frame(places[0]), norm)
+    axes.set(xlabel=f"x ({run.units['length']})", ylabel=f"y ({run.units['length']})")
+    edge = (0.8 + (x1 - x0) * scale) / size[0]
+    figure.colorbar(disks, cax=figure.add_axes((edge, 0.25, 0.13 / size[0], 0.5)), extend="min").set_label(f"speed ({run.units_per_depth['speed']})")
+    for k in places:
+        frame = run.frame(k)
+        if any(run.period):  # copies come and go
+            for part in list(axes.collections):
+                part.remove()
+            draw(axes, run, frame, norm)
+        else:
+            disks.set_offsets(np.column_stack([frame["x"], frame["y"]]))
+            disks.set_array(np.clip(frame["speed"], *run.speeds))
+        next(part for part in axes.collections if part.get_label() == "walls").set_segments(run.walls_at(run.times[k]))
+        axes.set_title(f"{run.title}: {time_text(run.times[k], run.units['time'], run.times[-1])}", pad=4)
+        yield shot(figure)
+    plt.close(figure)
+
+
+def make_film(run, out, most=300, gif=False):
+    """film.mp4 or film.gif in the folder; the path."""
+    places = thinned(run, range(len(run.times)), most)
+    return write_film(out, shots(run, places), frame_rate(len(places)), gif)
+
+
+def main(words=None):
+    """Make the pictures."""
+    options = Parser(prog="python -m tools.plot_contacts", description=__doc__)
+    options.add_argument("run", help="run folder, such as results/falling_particles/run_001")
+    options.add_argument("--out", metavar="DIR", help="where the pictures go (default: the run folder)")
+    options.add_argument("--only", nargs="+", choices=MADE, default=MADE, metavar="WHAT", help="some of: " + ", ".join(MADE))
+    options.add_argument("--times", nargs="+", type=number, metavar="T", help="times of the frames")
+    options.add_argument("--frames", type=whole(2), default=300, metavar="N", help="most frames of the film (default 300)")
+    options.add_argument("--gif", action="store_true", help="the film as a gif even where an mp4 can be made")
+    given = options.parse_args(words)
+    run = ContactRun(given.run)
+    if not run.has("motion"):
+        raise BadInput(f"{given.run} is no run of contacts alone (it has no motion.csv); python -m tools.plot draws the others")
+    if not len(run.columns("motion")["t"]):
+        raise BadInput(f"{run.folder / 'motion.csv'} has no rows: nothing to draw")
+    for t in given.times or []:
+        if not run.times[0] - 1e-9 <= t <= run.times[-1] * (1 + 1e-9):
+            raise BadInput(f"--times: {t:g} is not between {run.times[0]:g} and {run.times[-1]:g} {run.units['time']}, the end of the run")
+    run.warn_unfinished()
+    out = Path(given.out or given.run)
+    out.mkdir(parents=True, exist_ok=True)
+    if "frames" in given.only:
+        print(plot_frames(run, out / "frames.png", given.times))
+    if "chains" in given.only and (given.only is not MADE or (run.folder / "contacts.csv").read_text().count("\n") > 1):
+        print(plot_chains(run, out / "chains.png"))
+    if "energy" in given.only:
+        print(plot_energy(run, out / "energy.png"))
+    if "film" in given.only and given.only is MADE and len(run.times) < 2:
+        print("film: left out, only one time to show")
+    elif "film" in given.only:
+        print(make_film(run, out, given.frames, given.gif))
+    return 0

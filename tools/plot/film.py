@@ -1,0 +1,129 @@
+"""A film of velocity and particles: mp4 through imageio-ffmpeg, else a gif through Pillow.
+
+Drawn by python -m tools.plot RUN --only film.
+
+make_film(run, out) -> path. One frame per field file (per particle output where the run
+has no fields), thinned to `most`; the colour scale is one for the whole film.
+"""
+from pathlib import Path
+
+import numpy as np
+
+from tools.base.command import BadInput
+from tools.base.run_folder import own
+from tools.plot.style import (draw_boundary, draw_speed, fitting, frame, lowest_with, panels, particle_artists, plt,
+                            speed_of, speed_top, time_text)
+
+DPI = 160
+
+
+def thinned(run, frames, most):
+    """The frames of a film, at most so many of those that the run has."""
+    if len(frames) < 2:
+        raise BadInput(f"the run {run.folder} has only one time to show: no film")
+    return [frames[k] for k in np.unique(np.linspace(0, len(frames) - 1, min(most, len(frames))).astype(int))]
+
+
+def frame_rate(number):
+    """Frames per second, so that a film of few frames lasts and one of many flows."""
+    return int(np.clip(number / 12, 4, 25))
+
+
+def pictures(run, frames):
+    """The frames one by one, each a shot()."""
+    length, second = run.units["length"], run.units["time"]
+    numbers = [k for _, k in frames]
+    with_velocity = all(k is not None for k in numbers)
+    top, extend = 1.0, "neither"
+    if with_velocity:
+        sample = sorted(set(np.linspace(0, len(numbers) - 1, min(12, len(numbers))).astype(int)))
+        top, extend = speed_top([speed_of(run.field(numbers[k])[1]) for k in sample])
+    label = f"velocity magnitude ({length}/{second})"
+    figure, (axes,), bar = panels(1, run.extent, height=6.4, lowest=lowest_with(label))
+    figure.set_dpi(DPI)
+    draw_boundary(axes, run)
+    frame(axes, run.extent, length)
+    inches = figure.get_size_inches()
+    heading = figure.text(0.5, axes.get_position().y1 + 0.06 / inches[1], "", ha="center", va="bottom")
+    drawn, shape, bodies = None, None, []
+    for t, k in frames:
+        for artist in bodies:
+            artist.remove()
+        if with_velocity:
+            mesh, values = run.field(k)
+            same = shape is not None and np.array_equal(mesh.triangles, shape)
+            if drawn is not None and same:
+                drawn.set_array(speed_of(values))
+            else:
+                if drawn is not None:
+                    drawn.remove()
+                drawn, shape = draw_speed(axes, mesh, speed_of(values), top), mesh.triangles
+                figure.colorbar(drawn, cax=bar, extend=extend).set_label(label)
+        elif bar is not None:
+            bar.remove()
+            bar = None
+        bodies = particle_artists(axes, run.particles_at(t), clip=run.clip, spokes=run.turns) if run.has("particles") else []
+        heading.set_text(fitting([f"{run.title}, {time_text(t, second)}", time_text(t, second)], inches[0]))
+        yield shot(figure)
+    plt.close(figure)
+
+
+def shot(figure):
+    """A figure as a (height, width, 3) array of bytes, even in both sizes."""
+    figure.canvas.draw()
+    picture = np.asarray(figure.canvas.buffer_rgba())[:, :, :3]
+    return np.ascontiguousarray(picture[:picture.shape[0] // 2 * 2, :picture.shape[1] // 2 * 2])
+
+
+def write_mp4(path, shots, rate):
+    """Write the pictures as H.264; raises ImportError or OSError where that cannot be done."""
+    import imageio_ffmpeg
+    writer = None
+    for shot in shots:
+        if writer is None:
+            size = shot.shape[1], shot.shape[0]
+            writer = imageio_ffmpeg.write_frames(str(path), size, fps=rate, codec="libx264", quality=None,
+                                                 macro_block_size=2, pix_fmt_out="yuv420p", ffmpeg_log_level="error",
+                                                 output_params=["-crf", "20", "-threads", "1"])
+            writer.send(None)
+        writer.send(shot)
+    writer.close()
+
+
+def write_gif(path, shots, rate):
+    """Write the pictures as a looping gif, half as large."""
+    from PIL import Image
+    images = []
+    for shot in shots:
+        image = Image.fromarray(shot)
+        images.append(image.resize((image.width // 2, image.height // 2), Image.LANCZOS).quantize(128))
+    images[0].save(path, save_all=True, append_images=images[1:], duration=int(1000 / rate), loop=0, optimize=True)
+
+
+def mp4_possible():
+    """True if an ffmpeg with H.264 is at hand."""
+    try:
+        import imageio_ffmpeg
+        imageio_ffmpeg.get_ffmpeg_exe()
+        return True
+    except (ImportError, RuntimeError, OSError):
+        return False
+
+
+def write_film(out, shots, rate, gif=False):
+    """The shots as film.mp4, or film.gif where asked for or no mp4 can be made, in the folder `out`; returns its path."""
+    as_gif = gif or not mp4_possible()
+    path = Path(out) / ("film.gif" if as_gif else "film.mp4")
+    part = path.with_name("film_part" + path.suffix)  # a film cut short never bears the final name
+    try:
+        (write_gif if as_gif else write_mp4)(part, shots, rate)
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+    return own(path)
+
+
+def make_film(run, out, most=300, gif=False):
+    """Write film.mp4 or film.gif into the folder `out`; returns its path."""
+    frames = thinned(run, run.frames, most)
+    return write_film(out, pictures(run, frames), frame_rate(len(frames)), gif)

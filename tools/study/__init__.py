@@ -1,0 +1,1 @@
+"""Refinement studies: runs over sizes and steps, orders, limits and their uncertainty, reports and figures."""

@@ -1,0 +1,1 @@
+"""Tables of carried particles: fates by class of diameter, and what two-way coupling changes."""
