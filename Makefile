@@ -9,7 +9,7 @@ export FREEFEM
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: help run test validate bench stress doctor meshes setup clean
+.PHONY: help run test validate bench stress docs doctor meshes setup clean
 
 help:
 	@echo 'make run              50 rigid particles in a pipe with obstacles, with pictures and a film'
@@ -17,6 +17,7 @@ help:
 	@echo 'make validate         slow comparisons with published results and a report (one: CASE=settling_disk)'
 	@echo 'make stress           stability maps and their limits, half an hour of CPU (QUICK=1: 5 minutes; MAPS="gap jam"; JOBS=2)'
 	@echo 'make bench            error against CPU time, this and other programs, 30 to 50 minutes (5: make bench QUICK=1)'
+	@echo 'make docs             the pages of docs/ as a web site in results/docs (begin with results/docs/index.html)'
 	@echo 'make doctor           versions, plug-ins, and a check of each linear solver'
 	@echo 'make meshes           makes the default meshes of meshes/ anew'
 	@echo 'make setup            installs what is missing (the others do this too)'
@@ -42,6 +43,17 @@ stress: setup
 # Writes results/bench; installs the packages to compare with into .venv.
 bench: setup
 	$(PYTHON) -m tools.bench $(if $(QUICK),--quick)
+
+# Sphinx has an environment of its own, which only this target needs. A warning is an error.
+.venv/docs/complete: docs/requirements.txt | setup
+	$(PYTHON) -m venv --clear .venv/docs
+	.venv/docs/bin/python -m pip install --quiet --disable-pip-version-check --no-input -r docs/requirements.txt
+	touch $@
+
+docs: setup .venv/docs/complete
+	rm -rf results/docs
+	.venv/docs/bin/python -m sphinx -q -W --keep-going -E -b html -d results/docs_cache docs results/docs
+	@echo 'The pages are in results/docs/index.html'
 
 doctor: setup
 	$(PYTHON) -m tools.doctor

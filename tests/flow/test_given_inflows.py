@@ -1,7 +1,7 @@
 """Inflows that are probably not what was meant: out of the domain, not 0 at walls; bodies that wait across an inlet or its edge. One line each, and the run goes on."""
 import pytest
 
-from tests.bodies.test_boundaries import case
+from tests.scenes import case
 
 HEAD = 'include "lib/case.idp"\noptCase("inflow", "a scene of tests/flow/test_given_inflows.py");\n'
 FLOW = HEAD + """optDefault("-mesh", "meshes/couette_disk.mesh");

@@ -75,21 +75,6 @@ def test_the_repository_holds_plain_files_and_nothing_that_is_made():
     assert not [name for name in kept if name.split("/")[0] in (".venv", "results")]
 
 
-@pytest.mark.parametrize("page", ["README.md", "METHOD.md", "VALIDATION.md", "CONTRIBUTING.md", "CHANGELOG.md"])
-def test_a_page_names_what_is_there(page):
-    text = (ROOT / page).read_text()
-    headings = {"#" + re.sub(r"[^\w -]", "", line.lower()).strip().replace(" ", "-")
-                for other in ROOT.glob("*.md") for line in re.findall(r"^#+ (.*)$", other.read_text(), flags=re.M)}
-    for link in re.findall(r"\]\(([^)\s]+)\)", re.sub(r"```.*?```|`[^`\n]*`", "", text, flags=re.S)):
-        path, _, heading = link.partition("#")
-        assert "://" in link or (ROOT / path).exists() and (not heading or "#" + heading in headings), link
-    for module in re.findall(r"python -m (tools(?:\.\w+)+)", text):
-        assert (ROOT / (module.replace(".", "/") + ".py")).is_file() or (ROOT / module.replace(".", "/")).is_dir() or module.endswith(".NAME"), module
-    there = [str(path.relative_to(ROOT)) for folder in ("cases", "lib", "scripts", "tests", "tools") for path in (ROOT / folder).rglob("*")]
-    for name in re.findall(r"`([\w/]+\.(?:idp|edp|py))`", text):
-        assert any(path == name or path.endswith("/" + name) for path in there) or name == "cases/my_case.edp", name
-
-
 def test_the_lint_finds_what_it_looks_for():
     text = """
     real a = 1, b(3), dx = f(2, c);            // real region;
