@@ -95,6 +95,8 @@ def test_who_slides_steadily_needs_no_pass_beyond_those_of_the_drag(freefem_text
     assert (found[1]["passes"][steady] == 2).all()
 
 
+# Seven spheres in a box with a floor and two sides, in the shear flow u = rate0 y, du/dy = rate0: flow, walls and spheres of FLOOR
+# are replaced in turn.
 HEAP = FLOOR.replace("gravityX = 0", "gravityX = 0, rate0 = 5").replace("carrierU = 0.;", "carrierU = rate0*py; carrierUY = rate0;")
 HEAP = HEAP.replace("contactWallSegment(-1, 0, 1, 0);", "contactWallSegment(0, 0, 8e-3, 0); contactWallSegment(0, 0, 0, 1); contactWallSegment(8e-3, 0, 8e-3, 1);")
 HEAP = HEAP.replace("x0 = [0., 0.1, 0.2], y0 = [3e-5, 2e-4, 2e-3], r = [3e-5, 2e-4, 2e-3], d = [2500., 2500., 2500.], z = [0., 0., 0.]",
