@@ -237,7 +237,8 @@ def test_ellipses_that_overlap_are_refused_with_a_list_or_pushed_apart(freefem_t
     standing = on_floor("{ bodyEllipse(1., 0.3, 0.4, 0.2, pi/2, 1.5); bodyEllipse(1., 0.8, 0.4, 0.2, 0, 1.5); bodyDisk(1.5, 3, "
         "0.2, 1.3); }")
     done = freefem_text(standing, *FLOOR, "-tend", 0.005, "-out", tmp_path / "no", check=False)
-    assert done.returncode == 5 and "2 overlaps at the start" in done.stderr and "particle 0 overlaps the wall from (" in done.stderr and "particles 0 and 1 overlap by 0.1" in done.stderr
+    assert (done.returncode == 5 and "2 overlaps at the start" in done.stderr
+        and "particle 0 overlaps the wall from (" in done.stderr and "particles 0 and 1 overlap by 0.1" in done.stderr)
     freefem_text(standing, *FLOOR, "-tend", 0.005, "-out", tmp_path / "yes", "-contact-initial", "push")
     table = RunFolder(tmp_path / "yes").particles
     first = table["t"] == table["t"].min()
