@@ -128,7 +128,7 @@ def test_a_changed_page_is_stale(pages):
 def test_every_table_is_in_the_reference():
     """A table that a file begins by outHeader(...) has a section; one with other columns makes the page stale."""
     written = {(str(path.relative_to(ROOT)), name) for folder in ("lib", "scripts") for path in (ROOT / folder).rglob("*.[ie]dp")
-               for name in re.findall(r'outHeader\("([\w.]+)", "', re.sub(r"^//.*$", "", path.read_text(), flags=re.M))}
+               for name in re.findall(r'outHeader\("([\w.]+)",\s*"', re.sub(r"^//.*$", "", path.read_text(), flags=re.M))}
     assert written == {(table.writer, table.name) for table in tables.TABLES if table.writer}
 
 

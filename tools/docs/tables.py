@@ -69,7 +69,7 @@ def columns(table):
     """The columns as the code writes them. Raises BadInput where the writer has no such table."""
     if table.columns:
         return table.columns.split(",")
-    found = re.search(rf'outHeader\("{re.escape(table.name)}", "([^"]+)"\)', (ROOT / table.writer).read_text())
+    found = re.search(rf'outHeader\("{re.escape(table.name)}",\s*"([^"]+)"\)', (ROOT / table.writer).read_text())
     if not found:
         raise BadInput(f'{table.writer} has no outHeader("{table.name}", ...); name its writer in tools/docs/tables.py')
     return found.group(1).split(",")
@@ -79,8 +79,11 @@ def explained(table):
     """What the header says of a table: a list of lines without the space in front. Raises BadInput where it has no such words."""
     path, begin, end = table.about
     text = "\n".join(header(path))
-    start = text.find(begin)
-    stop = text.find(end, start + 1)
+    spaced = r"\s+"  # a line may end within the words
+    first = re.search(spaced.join(map(re.escape, begin.split())), text)
+    start = first.start() if first else -1
+    last = re.compile(spaced.join(map(re.escape, end.split()))).search(text, start + 1)
+    stop = last.start() if last else -1
     if start < 0 or stop < 0:
         raise BadInput(f"the header of {path} no longer has '{begin}' ... '{end}'; name the new words in tools/docs/tables.py")
     return [line.rstrip() for line in text[start:stop].rstrip(" ,;\n").split("\n")]
