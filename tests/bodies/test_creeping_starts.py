@@ -89,3 +89,74 @@ def test_a_strong_push_in_a_slow_flow_bounds_the_first_step(box, freefem_text, t
     freefem_text(push, "-mesh", box(r), "-dt", 2e10, "-tend", 1e7, "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     assert run.fluid["dt"][0] < 1e7 and np.abs(run.particles["u"] * run.fluid["dt"]).max() < 3 * r / 2
+
+
+# Units of the body: radius, density and viscosity of the fluid 1, so that nu dt/R^2 is the step; so slow that it hardly moves.
+DISK, ELLIPSE = "bodyDisk(5.03, 10.02, 1, {s});", "bodyEllipse(5.03, 10.02, 1, 0.6, 0.4, {s});"
+
+
+def sunk(freefem_text, folder, body, mesh, dt, steps, *words, more=""):
+    """Velocities (rows, 2) of the body of id 0 in each step."""
+    freefem_text(scene(body, 1, 1, -1e-9, more), "-mesh", mesh, "-dt", dt, "-tend", dt * steps, "-cfl", 0, *words, "-out", folder)
+    rows = RunFolder(folder).particles
+    mine = rows["id"] == 0
+    return np.column_stack([rows["u"], rows["v"]])[mine]
+
+
+@pytest.mark.parametrize("shape", [DISK, ELLIPSE])
+@pytest.mark.parametrize("ratio", [0.1, 1.05, 20])
+def test_a_start_never_exceeds_the_terminal_velocity(ratio, shape, box, freefem_text, tmp_path):
+    """First rows were -0.7 (light), 1.8 and 4.6 times the terminal velocity, those of a body of 20 times the density up to 2 with nu dt/R^2 = 10. Where viscosity crosses the body many
+    times in a step, it has its velocity in the first row."""
+    body, mesh = shape.format(s=ratio), box(1, 3)
+    end = sunk(freefem_text, tmp_path / "end", body, mesh, 100, 40)[-1, 1]
+    for dt in (0.1, 1, 10, 1e4):
+        share = sunk(freefem_text, tmp_path / f"run{dt}", body, mesh, dt, 6)[:, 1] / end
+        assert len(share) == 6 and share.min() > -0.005 and share.max() < 1.02, (dt, share)
+        assert dt < 1e4 or abs(share - 1).max() < 0.02, share
+        assert dt in (0.1, 1) or (share[1:] > 0.98 * share[:-1]).all(), (dt, share)
+
+
+def test_bodies_of_all_densities_start_together(box, freefem_text, tmp_path):
+    bodies = "bodyDisk(3, 10, 1, 20); bodyDisk(7, 10.5, 0.8, 0.2); bodyEllipse(5, 15, 1, 0.6, 0.4, 1.5);"
+    runs = []
+    for dt, steps in ((1e3, 6), (100, 40)):
+        freefem_text(scene(bodies, 1, 1, -1e-9), "-mesh", box(1, 3), "-dt", dt, "-tend", dt * steps, "-cfl", 0, "-out", tmp_path / f"run{steps}")
+        rows = RunFolder(tmp_path / f"run{steps}").particles
+        runs.append(np.column_stack([rows["u"], rows["v"], rows["omega"]]).reshape(-1, 3, 3))
+    assert abs(runs[0] - runs[1][-1]).max() < 0.02 * abs(runs[1][-1]).max()
+
+
+@pytest.mark.parametrize("ratio", [0.2, 1.05, 5])
+def test_a_later_push_gives_no_more_than_the_terminal_velocity_either(ratio, box, freefem_text, tmp_path):
+    """By a constant force from the fifth step on."""
+    dt, mesh, push = 1e3, box(1, 3), "macro caseLoads(now) if (now > {from_}) bodyPush(0, 1e-9, 0, 0); // EOM"
+    body = DISK.format(s=ratio)
+    rows = []
+    for start, steps in ((-1, 40), (4.5 * dt, 10)):
+        text = scene(body, 1, 1, 0, push.format(from_=start))
+        freefem_text(text, "-mesh", mesh, "-dt", dt, "-tend", steps * dt, "-cfl", 0, "-out", tmp_path / f"run{steps}")
+        rows.append(RunFolder(tmp_path / f"run{steps}").particles["u"])
+    share = rows[1] / rows[0][-1]
+    assert abs(share[:4]).max() == 0 and abs(share[4:] - 1).max() < 0.04, share
+
+
+def test_a_body_that_enters_a_slow_flow_later_sinks_at_once(box, freefem_text, tmp_path):
+    dt, mesh = 1e3, box(1, 3)
+    rows = []
+    for due, steps in ((0, 40), (3.5 * dt, 9)):
+        freefem_text(scene(f"queueAt(5.03, 10.02, 1, 2, {due});", 1, 1, -1e-9), "-mesh", mesh, "-dt", dt, "-tend", steps * dt, "-cfl", 0, "-out", tmp_path / f"run{steps}")
+        rows.append(RunFolder(tmp_path / f"run{steps}").particles["v"])
+    share = rows[1] / rows[0][-1]
+    assert len(share) == 5 and abs(share - 1).max() < 0.04, share
+
+
+def test_a_restart_within_a_slow_start_is_bit_for_bit(box, freefem_text, tmp_path):
+    """The passes and the implicit second step belong to the start, not to the run."""
+    text, words = scene(DISK.format(s=20), 1, 1, -1e-9), ["-mesh", box(1, 3), "-dt", 10, "-cfl", 0, "-checkpoint", 1]
+    freefem_text(text, *words, "-tend", 60, "-out", tmp_path / "whole")
+    for step in (1, 3):
+        freefem_text(text, *words, "-tend", 10 * step, "-out", tmp_path / f"part{step}")
+        freefem_text(text, *words, "-tend", 60, "-restart", tmp_path / f"part{step}", "-out", tmp_path / f"rest{step}")
+        whole, rest = ((tmp_path / name / "particles.csv").read_text().splitlines() for name in ("whole", f"rest{step}"))
+        assert len(rest) == 1 + 6 - step and rest[1:] == whole[-(6 - step):]

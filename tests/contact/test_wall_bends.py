@@ -181,7 +181,9 @@ BENT = [
     (chain(0.4, lengths=(0.1, 0.9)), STILL, (0.2, 0.6, 0.51), False),  # too large for the bend: r tan(0.2) > 0.1
     (chain(0.3) + [[0, 0, 0, 0], [2e-6, 0, 0, 0]], STILL, (1.3, 0.5, 0.1), False),  # a slit
     *((np.vstack([chain(0.3)[:1], *order]), STILL, (1.3, 0.5, 0.1), False) for fork in ([[1, 0, 1.1, -0.5]], [[1.1, -0.5, 1, 0]]) for order in ((chain(0.3)[1:], fork), (fork, chain(0.3)[1:]))),  # a fork
-    (chain(0.0), STILL, (1.3, 0.5, 0.1), False),  # no bend
+    (chain(0.0), STILL, (1.3, 0.5, 0.1), True),  # no bend: one straight wall in two pieces,
+    (chain(0.0), [(0, 0), (0, 0.1)], (1.3, 0.5, 0.1), False),  # if they move as one
+    (chain(1e-7), STILL, (1.3, 0.5, 0.1), True),
 ]
 TURNS = """
 include "lib/contact/contact.idp"

@@ -95,6 +95,8 @@ def test_who_slides_steadily_needs_no_pass_beyond_those_of_the_drag(freefem_text
     assert (found[1]["passes"][steady] == 2).all()
 
 
+# Seven spheres in a box with a floor and two sides, in the shear flow u = rate0 y, du/dy = rate0: flow, walls and spheres of FLOOR
+# are replaced in turn.
 HEAP = FLOOR.replace("gravityX = 0", "gravityX = 0, rate0 = 5").replace("carrierU = 0.;", "carrierU = rate0*py; carrierUY = rate0;")
 HEAP = HEAP.replace("contactWallSegment(-1, 0, 1, 0);", "contactWallSegment(0, 0, 8e-3, 0); contactWallSegment(0, 0, 0, 1); contactWallSegment(8e-3, 0, 8e-3, 1);")
 HEAP = HEAP.replace("x0 = [0., 0.1, 0.2], y0 = [3e-5, 2e-4, 2e-3], r = [3e-5, 2e-4, 2e-3], d = [2500., 2500., 2500.], z = [0., 0., 0.]",
@@ -223,3 +225,22 @@ def test_a_sphere_slides_on_a_wall_that_is_a_whole_period_long(along, freefem_te
     np.testing.assert_allclose(table[across], 0.1, atol=1e-12)
     assert len(touch["t"]) == 50 and len(records(tmp_path / "run/walls.csv")) == 1
     np.testing.assert_allclose(touch["impulse"], 1500 * 4 / 3 * np.pi * 1e-3 * 3 * 0.02, rtol=1e-9)
+
+
+PIECES = """
+include "lib/case.idp"
+optCase("slide", "a sphere slides on a floor in pieces, in a fluid at rest and nearly a vacuum");
+optDefault("-lift", "0"); optDefault("-added-mass", "0"); optDefault("-drag", "stokes");
+real rhoFluid = 1e-9, mu = 1e-9, gravityX = 0, gravityY = -9.81;
+func int still(real[int] & px, real[int] & u0, real[int] & v0, real[int] & ux, real[int] & uy, real[int] & vx, real[int] & vy) { u0 = 0.; v0 = 0.; ux = 0.; uy = 0.; vx = 0.; vy = 0.; return px.n; }
+macro carrierExact(px, py, t) still(px, carrierU, carrierV, carrierUX, carrierUY, carrierVX, carrierVY); // EOM
+macro caseParticles() { real[int] x0 = [0.5], y0 = [0.1], r = [0.1], d = [1000.], u0 = [1.], v0 = [0.], w0 = [0.]; transportAppend(x0, y0, r, d, u0, v0, w0); for (int k = 0; k < 40; ++k) contactWallSegment(8.*k/40, 0, 8.*(k + 1)/40, 0); } // EOM
+include "scripts/transport.edp"
+"""
+
+
+def test_a_sphere_slides_over_a_floor_in_pieces(freefem_text, tmp_path):
+    """0.72 of its speed was left."""
+    freefem_text(PIECES, "-dt", 0.01, "-tend", 4, "-every", 4, "-out", tmp_path / "run")
+    last = read_table(tmp_path / "run" / "particles.csv")
+    assert [last["u"][-1], last["x"][-1]] == pytest.approx([1, 4.5], abs=1e-6)

@@ -354,7 +354,10 @@ def main(words=None, mesh_maker=make_mesh):
         raise BadInput("--cells takes the place of --meshsize and --by: leave one out")
     if given.by != "mesh" and not given.meshsize:
         raise BadInput(f"--by {given.by} needs --meshsize")
-    sizes, by = [1 / n for n in given.cells] if given.cells else given.meshsize, CELLS if given.cells else {"mesh": None}.get(given.by, f"-{given.by}")
+    if given.cells:  # -cells n makes elements of the size 1/n
+        sizes, by = [1 / n for n in given.cells], CELLS
+    else:  # the option of the case that sets the element size; None: a mesh is made for each size
+        sizes, by = given.meshsize, None if given.by == "mesh" else f"-{given.by}"
     script = os.path.relpath(Path(given.script).resolve(), ROOT) if Path(given.script).is_file() else given.script
     study = Study(script, sizes or [None], given.dt or [None], given.quantity, given.reference,
                   case_options(words[cut + 1:], ["-dt", "-out", *([by or "-mesh"] if sizes else [])]), given.out, given.jobs, given.timing, given.repeat,
