@@ -20,7 +20,8 @@ FREEFEM = os.environ.get("FREEFEM", "FreeFem++")
 
 
 def standard_alone(text):
-    """A resolved case's text with the standard scheme's part of the driver only: what a test asks of that scheme the published one does not have."""
+    """A resolved case's text with the standard scheme's part of the driver only: what a test asks of that scheme the published one
+    does not have."""
     driver = (ROOT / "scripts/resolved.edp").read_text().split('if (scheme == "published") {')[0]
     return text.replace('include "scripts/resolved.edp"', driver)
 
@@ -42,7 +43,8 @@ def run_freefem(script, *args, check=True, timeout=300):
 
 
 def run_tool(name, *words):
-    """What python -m tools.NAME WORDS does in the root, in this process: the interpreter and its imports take a second. Returns a CompletedProcess."""
+    """What python -m tools.NAME WORDS does in the root, in this process: the interpreter and its imports take a second. Returns a
+    CompletedProcess."""
     module = importlib.import_module(f"tools.{name}")
     if hasattr(module, "__path__"):  # a package
         module = importlib.import_module(f"tools.{name}.__main__")
@@ -85,7 +87,8 @@ def cell(tmp_path_factory):
 @pytest.fixture(scope="session")
 def shaft(tmp_path_factory):
     """Options that let the settling disk fall in a box half as wide, on elements of the size of the default mesh."""
-    return "-mesh", make_mesh(tmp_path_factory.mktemp("shaft") / "shaft.mesh", "box", "--width", 1, "--height", 2.5, "--size", 0.0625), "-x", 0.5, "-y", 2
+    return "-mesh", make_mesh(tmp_path_factory.mktemp("shaft") / "shaft.mesh", "box", "--width", 1, "--height", 2.5, "--size",
+        0.0625), "-x", 0.5, "-y", 2
 
 
 @pytest.fixture
@@ -139,7 +142,8 @@ def run_limited(*words, most=None, timeout=120):
     def limit():
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
-    return subprocess.run([FREEFEM, "-nw", *map(str, words)], cwd=ROOT, env=os.environ | {"OPENBLAS_NUM_THREADS": "1"}, capture_output=True, text=True,
+    return subprocess.run([FREEFEM, "-nw", *map(str, words)], cwd=ROOT, env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},
+        capture_output=True, text=True,
                           errors="replace", timeout=timeout, preexec_fn=limit if most else None)
 
 

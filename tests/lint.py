@@ -8,8 +8,10 @@ FOLDERS = ("cases", "scripts", "lib", "tools", "tests")
 
 
 def files(ending):
-    """Paths from the root of the scripts with this ending, sorted; without the old names of drivers, which are no scripts of their own."""
-    return sorted(str(f.relative_to(ROOT)) for folder in FOLDERS for f in (ROOT / folder).rglob(f"*{ending}") if "renamed/scripts" not in str(f))
+    """Paths from the root of the scripts with this ending, sorted; without the old names of drivers, which are no scripts of their
+    own."""
+    return sorted(str(f.relative_to(ROOT)) for folder in FOLDERS for f in (ROOT / folder).rglob(f"*{ending}")
+        if "renamed/scripts" not in str(f))
 
 
 def needed(path):

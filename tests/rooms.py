@@ -45,13 +45,15 @@ def called_back(text):
 
 def written_by(text):
     """{file: names}, as "// Written by: lib/room/file.idp (names), ..." in the header of a file says."""
-    return {file: set(re.findall(r"\w+", names)) for file, names in re.findall(r"([\w/]+\.\w+) \(([^)]*)\)", header_says(text, "Written by"))}
+    return {file: set(re.findall(r"\w+", names)) for file, names in re.findall(r"([\w/]+\.\w+) \(([^)]*)\)",
+        header_says(text, "Written by"))}
 
 
 def written_line(others):
     """The lines "// Written by: ..." of {file: names}."""
     text = ", ".join(f"{file} ({', '.join(sorted(names))})" for file, names in sorted(others.items()))
-    return textwrap.fill("// Written by: " + text, LONGEST, subsequent_indent="//   ", break_long_words=False, break_on_hyphens=False)
+    return textwrap.fill("// Written by: " + text, LONGEST, subsequent_indent="//   ", break_long_words=False,
+        break_on_hyphens=False)
 
 
 def closing(text, at):
@@ -113,7 +115,8 @@ def assigned(text):
 
 
 def filled(defined):
-    """Which arguments functions fill, {name: places}, of {name: (parameters, body)}; one that passes an argument on to such a function too."""
+    """Which arguments functions fill, {name: places}, of {name: (parameters, body)}; one that passes an argument on to such a
+    function too."""
     places = dict(FILLED_BY_LANGUAGE)
     for name, (parameters, body) in defined.items():
         names = assigned(body)
@@ -124,7 +127,8 @@ def filled(defined):
         before = now
         for name, (parameters, _) in defined.items():
             for called, arguments in inner[name]:
-                places[name] |= {parameters.index(arguments[at]) for at in places.get(called, ()) if at < len(arguments) and arguments[at] in parameters}
+                places[name] |= {parameters.index(arguments[at]) for at in places.get(called, ()) if at < len(arguments)
+                    and arguments[at] in parameters}
     return places
 
 
@@ -180,7 +184,8 @@ class Library:
 
     def circles(self):
         """Files that use names of each other, directly or through others: a list of sorted lists."""
-        takes = {path: {other for name in self.used(path) for other in self.owners[name] if len(self.owners[name]) == 1} for path in self.files}
+        takes = {path: {other for name in self.used(path) for other in self.owners[name] if len(self.owners[name]) == 1}
+            for path in self.files}
         reach = {}
         for path in self.files:
             seen, open_ends = set(), [path]
@@ -189,7 +194,8 @@ class Library:
                 seen |= fresh
                 open_ends += fresh
             reach[path] = seen
-        return sorted({tuple(sorted({path} | {other for other in reach[path] if path in reach[other]})) for path in self.files if path in reach[path]})
+        return sorted({tuple(sorted({path} | {other for other in reach[path] if path in reach[other]})) for path in self.files
+            if path in reach[path]})
 
     def unreached(self):
         """Names that a file uses although neither its includes nor the files it needs before it, with theirs, declare them: (file, name)."""

@@ -20,9 +20,11 @@ include "scripts/resolved.edp"
 """
 
 
-def case(particles, walls="labelLeft, labelRight, labelBottom, labelTop", moving="", outlet="", slip="", more="", period=0, mu=0.05, gravity=-1):
+def case(particles, walls="labelLeft, labelRight, labelBottom, labelTop", moving="", outlet="", slip="", more="", period=0,
+    mu=0.05, gravity=-1):
     """The text of a case in the unit square; empty lists of labels as FreeFEM writes them."""
-    text = CASE.format(particles=particles, walls=walls, moving=moving, outlet=outlet, slip=slip, more=more, period=period, mu=mu, gravity=gravity)
+    text = CASE.format(particles=particles, walls=walls, moving=moving, outlet=outlet, slip=slip, more=more, period=period, mu=mu,
+        gravity=gravity)
     return text.replace(" = []", "(0)")
 
 
@@ -46,7 +48,8 @@ PERIODIC = "\n".join(SEAM.splitlines()[1:4])
 
 
 def square(file, above="1 - s", edges=12, hole="", sides=12):
-    """A mesh of the unit square, of so many edges a side; above: x of the vertices on the upper side, of so many edges, by s from 0 to 1; hole: its border."""
+    """A mesh of the unit square, of so many edges a side; above: x of the vertices on the upper side, of so many edges, by s from 0
+    to 1; hole: its border."""
     return f"""
 border below(s = 0, 1) {{ x = s; y = 0; label = 13; }}
 border beside(s = 0, 1) {{ x = 1; y = s; label = 12; }}
@@ -80,7 +83,8 @@ macro flowPeriodicLabels() [2, 4] // EOM"""
 
 
 def script(disks, periodic=False, more=""):
-    """The text of a script that finds and prints the nodes in disks (x, y, r) of a box of 16 by 16 cells; more: what it does then."""
+    """The text of a script that finds and prints the nodes in disks (x, y, r) of a box of 16 by 16 cells; more: what it does
+    then."""
     text = SETS.replace("PERIOD,", "1," if periodic else "0,").replace("SOLID", "1, 3" if periodic else "1, 2, 3, 4")
     text = text.replace("MACROS", PERIODIC_SPACES if periodic else "")
     return text.replace("DISKS", "\n".join(f"bodyDisk({x!r}, {y!r}, {r!r}, 1.);" for x, y, r in disks)) + more
@@ -257,4 +261,28 @@ real rhoFluid = 1000, mu = 0.001, gravityX = 0, gravityY = 0;
 macro carrierExact(px, py, t) {carrier} // EOM
 macro caseParticles() {bodies} // EOM
 include "scripts/transport.edp"
+"""
+
+# Ellipses in contact, walls and periods filled in; what is printed of their gaps, and of their projected velocities.
+ELLIPSES = """
+include "lib/contact/ellipse_project.idp"
+optCase("contacts", "ellipses");
+contactDeclare();
+optEnd();
+real[int] px = X, py = Y, turn = TURN, r = RADIUS, aspect = ASPECT, mass = MASS, moment = MOMENT, u = U, v = V, w = W;
+int[int] id = 0:px.n - 1;
+WALLS
+contactPeriodic(0, -5, PERIOD, 0);
+cout.precision(17);
+"""
+MEASURE_ELLIPSES = """
+contactUpdate(px, py, r, id, 10.);
+contactEllipseMeasure(px, py, turn, r, aspect);
+for (int k = 0; k < contactN; ++k) cout << "gap " << contactI[k] << " " << contactJ[k] << " " << contactEllipseGap[k] << " " << contactEllipseEx[k] << " " << contactEllipseEy[k] << " " << contactEllipseArmI[k] << " " << contactEllipseArmJ[k] << endl;
+"""
+PROJECT_ELLIPSES = """
+contactEllipseProject(px, py, turn, r, aspect, id, mass, moment, u, v, w, DT);
+for (int k = 0; k < px.n; ++k) cout << "speed " << u[k] << " " << v[k] << " " << w[k] << endl;
+for (int k = 0; k < contactN; ++k) cout << "press " << contactI[k] << " " << contactJ[k] << " " << contactImpulse[k] << endl;
+cout << "worst " << contactWorstGap << endl << "passes " << contactIterations << endl;
 """

@@ -83,9 +83,12 @@ def write_run(folder, number=12, t_end=1.0, steps=100, seed=1, speed=0.9, fields
     write_csv(folder / "fluid.csv", ("step,t,dt,iterations,kinetic_energy,divergence,flux_in,flux_out,pressure_drop,"
                                      "particles,contacts,worst_gap,time_convection,time_rigid,time_solve,"
                                      "time_pressure,time_contact,time_output").split(","), fluid)
-    write_csv(folder / "wallforces.csv", "t,label,fx,fy".split(","), [[row[1], label, 0.5 * label, 0] for row in fluid for label in (3, 4)])
-    write_csv(folder / "fluxes.csv", "t,label,flux".split(","), [[row[1], label, flux] for row in fluid for label, flux in ((1, row[6]), (2, 0.75 * row[7]), (12, 0.25 * row[7]))])
-    write_csv(folder / "forces.csv", "t,id,fx,fy,torque".split(","), [[row[1], k, 2 + k, row[1], 0.5] for row in fluid for k in (0, 1)])
+    write_csv(folder / "wallforces.csv", "t,label,fx,fy".split(","), [[row[1], label, 0.5 * label, 0] for row in fluid
+        for label in (3, 4)])
+    write_csv(folder / "fluxes.csv", "t,label,flux".split(","), [[row[1], label, flux] for row in fluid for label,
+        flux in ((1, row[6]), (2, 0.75 * row[7]), (12, 0.25 * row[7]))])
+    write_csv(folder / "forces.csv", "t,id,fx,fy,torque".split(","), [[row[1], k, 2 + k, row[1], 0.5] for row in fluid
+        for k in (0, 1)])
     write_csv(folder / "contacts.csv", "t,i,j,gap,nx,ny,impulse".split(","), contacts)
     (folder / "run.json").write_text(json.dumps({
         "case": "pipe_obstacles", "about": "made up for a test", "parameters": {"-dt": t_end / steps, "-tend": t_end},

@@ -1,4 +1,5 @@
-"""Resolved scenes against other computations of the same: body-fitted and steady; the scene upside down; what comes in and goes out."""
+"""Resolved scenes against other computations of the same: body-fitted and steady; the scene upside down; what comes in and goes
+out."""
 import numpy as np
 import pytest
 
@@ -34,7 +35,8 @@ def test_bodies_one_behind_the_other_bear_the_forces_of_a_body_fitted_mesh(freef
     bodies = " ".join(f"bodyHeld(bodyEllipse({x}, {y}, {a}, {b}, {angle}, 1));" for x, y, a, b, angle in HELD)
     text = case("{ " + bodies + " }", walls="labelWall", moving="labelInlet", outlet="labelOutlet", mu=0.02, gravity=0, more=STREAM)
     mesh = f'savemesh(buildmesh(below(128) + out(32) + above(128) + into(32)), "{tmp_path}/plain.mesh");\n'
-    freefem_text(SIDES + mesh + text, "-mesh", tmp_path / "plain.mesh", "-dt", 0.04, "-every", 3, "-tend", 3, "-forces", 1, "-out", tmp_path / "run")
+    freefem_text(SIDES + mesh + text, "-mesh", tmp_path / "plain.mesh", "-dt", 0.04, "-every", 3, "-tend", 3, "-forces", 1, "-out",
+        tmp_path / "run")
     forces = RunFolder(tmp_path / "run").table("forces")
     for body in (0, 1):
         last = (forces["id"] == body) & (forces["t"] > 2.9)
@@ -43,17 +45,20 @@ def test_bodies_one_behind_the_other_bear_the_forces_of_a_body_fitted_mesh(freef
 
 
 def test_a_light_disk_rises_as_a_heavy_one_falls(freefem_text, tmp_path):
-    """Slow flow, weights less buoyancy of one size; the box upside down. The light one has a virtual mass that the heavy one has not."""
+    """Slow flow, weights less buoyancy of one size; the box upside down. The light one has a virtual mass that the heavy one has
+    not."""
     speed = {}
     for density, height in ((1.5, 0.62), (0.5, 0.38)):
-        freefem_text(case(f"bodyDisk(0.5, {height}, 0.12, {density});", mu=1), "-dt", 0.01, "-convection", 0, "-tend", 0.3, "-out", tmp_path / f"{density}")
+        freefem_text(case(f"bodyDisk(0.5, {height}, 0.12, {density});", mu=1), "-dt", 0.01, "-convection", 0, "-tend", 0.3, "-out",
+            tmp_path / f"{density}")
         rows = RunFolder(tmp_path / f"{density}").particles
         speed[density] = rows["v"][-1]
     assert speed[1.5] < -1e-3 and speed[0.5] == pytest.approx(-speed[1.5], rel=0.003)
 
 
 def test_what_bodies_cross_lets_through_as_much_in_as_out(freefem_text, tmp_path):
-    """Two inlets, two outlets; disks and ellipses enter at an inlet, cross and leave by both outlets, one over the corner between them (it took a row of exits.csv for another that stayed)."""
+    """Two inlets, two outlets; disks and ellipses enter at an inlet, cross and leave by both outlets, one over the corner between
+    them (it took a row of exits.csv for another that stayed)."""
     bodies = "{ bodyAdd(0.85, 0.4, 0.1, 1.2, 1, 0, 0, 1); bodyAdd(0.4, 0.85, 0.1, 1.2, 0, 1, 0, 1); bodyAdd(0.3, 0.3, 0.1, 2, 0.5, 0.5, 0, 1); queueAdd(0.6, 0.08, 1.5, 0.1); queueEllipse(0.3, 0.1, 0.07, 0.5, 2, 0.2); }"
     more = "macro boundaryU() ((x < 1e-9)*4*y*(1 - y)) // EOM\nmacro boundaryV() ((y < 1e-9)*4*x*(1 - x)) // EOM"
     text = case(bodies, walls="", moving="labelLeft, labelBottom", outlet="labelRight, labelTop", more=more, gravity=0)

@@ -34,7 +34,8 @@ def slow(kind, size):
         return scene(f"bodyDisk({5 * r}, {12 * r}, {r}, 1.2);", 1, 1e6, -981), 20 / r
     if kind == "ellipse":
         return scene(f"bodyEllipse({5 * r}, {12 * r}, {r}, {0.6 * r}, 0.4, 3400);", 3300, 1e21, -9.81), 2e10 * (1e5 / r)
-    return scene(f"bodyDisk({3 * r}, {12 * r}, {r}, 3400); bodyDisk({7 * r}, {14 * r}, {r}, 3200); bodyEllipse({5 * r}, {6 * r}, {r}, {0.7 * r}, 1, 3500);", 3300, 1e21, -9.81), 2e10 * (1e5 / r)
+    return scene(f"bodyDisk({3 * r}, {12 * r}, {r}, 3400); bodyDisk({7 * r}, {14 * r}, {r}, 3200); bodyEllipse({5 * r}, {6 * r}, "
+        f"{r}, {0.7 * r}, 1, 3500);", 3300, 1e21, -9.81), 2e10 * (1e5 / r)
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +55,8 @@ def box(tmp_path_factory):
 
 @pytest.mark.parametrize("kind, radius", [("mantle", 1e5), ("colloid", 1e-7), ("syrup", 0.5), ("ellipse", 1e5), ("several", 1e5)])
 def test_slow_flows_take_the_step_of_the_case(kind, radius, box, freefem_text, tmp_path):
-    """As without -cfl. By free fall the first step was 1e-4 to 1e-12 of that, and steps grow by a fifth each; a mantle was refused."""
+    """As without -cfl. By free fall the first step was 1e-4 to 1e-12 of that, and steps grow by a fifth each; a mantle was
+    refused."""
     text, dt = slow(kind, radius)
     for cfl in (0, 1.5):
         freefem_text(text, "-mesh", box(radius), "-dt", dt, "-tend", 4 * dt, "-cfl", cfl, "-out", tmp_path / f"run{cfl}")
@@ -63,19 +65,23 @@ def test_slow_flows_take_the_step_of_the_case(kind, radius, box, freefem_text, t
 
 
 def test_a_body_in_a_mantle_sinks_as_faxen_says(box, freefem_text, tmp_path):
-    """Between walls 2 h apart, k = R/h: the force over 4 pi mu U is 1/(-0.9157 - ln k + 1.7244 k^2 - 1.7302 k^4); the ends are 5 channel widths away."""
+    """Between walls 2 h apart, k = R/h: the force over 4 pi mu U is 1/(-0.9157 - ln k + 1.7244 k^2 - 1.7302 k^4); the ends are 5
+    channel widths away."""
     r, k = 1e5, 0.2
     text, dt = slow("mantle", r)
-    freefem_text(text, "-mesh", make_mesh(tmp_path / "long.mesh", "box", "--width", 10 * r, "--height", 40 * r, "--size", r / 4).as_posix(), "-dt", dt, "-tend", 40 * dt, "-out", tmp_path / "run")
+    freefem_text(text, "-mesh", make_mesh(tmp_path / "long.mesh", "box", "--width", 10 * r, "--height", 40 * r, "--size",
+        r / 4).as_posix(), "-dt", dt, "-tend", 40 * dt, "-out", tmp_path / "run")
     speed = -100 * 9.81 * np.pi * r**2 / (4 * np.pi * 1e21) * (-0.9157 - np.log(k) + 1.7244 * k**2 - 1.7302 * k**4)
     assert RunFolder(tmp_path / "run").particles["v"][-1] == pytest.approx(speed, rel=0.015)
 
 
 def test_a_fast_start_of_a_slow_flow_takes_small_steps_first(box, freefem_text, tmp_path):
-    """Thrown at 1 m/s, half of which it keeps, into a mantle, which stops it at once: the first step, 1e-10 of -tend, is bounded by that speed, later ones grow. It was refused
+    """Thrown at 1 m/s, half of which it keeps, into a mantle, which stops it at once: the first step, 1e-10 of -tend, is bounded by
+    that speed, later ones grow. It was refused
     because steps of this size would be too many."""
     r = 1e5
-    text = scene(f"bodyAdd({5 * r}, {12 * r}, {r}, 3400, 0, 1, 0, 1);", 3300, 1e21, -9.81, "macro caseStep() if (driveStep == 12) exit(0); // EOM")
+    text = scene(f"bodyAdd({5 * r}, {12 * r}, {r}, 3400, 0, 1, 0, 1);", 3300, 1e21, -9.81, "macro caseStep() if (driveStep == "
+        "12) exit(0); // EOM")
     freefem_text(text, "-mesh", box(r), "-dt", 2e13, "-tend", 1e15, "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     dt = run.fluid["dt"]
@@ -85,7 +91,8 @@ def test_a_fast_start_of_a_slow_flow_takes_small_steps_first(box, freefem_text, 
 def test_a_strong_push_in_a_slow_flow_bounds_the_first_step(box, freefem_text, tmp_path):
     """A force of 1e12 times the weight gives a body 1e3 elements in a step of the case."""
     r = 1e5
-    push = scene(f"bodyDisk({5 * r}, {12 * r}, {r}, 3400);", 3300, 1e21, -9.81, "macro caseLoads(now) bodyPush(0, 1e20, 0, 0); // EOM")
+    push = scene(f"bodyDisk({5 * r}, {12 * r}, {r}, 3400);", 3300, 1e21, -9.81, "macro caseLoads(now) bodyPush(0, 1e20, 0, 0); "
+        "// EOM")
     freefem_text(push, "-mesh", box(r), "-dt", 2e10, "-tend", 1e7, "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     assert run.fluid["dt"][0] < 1e7 and np.abs(run.particles["u"] * run.fluid["dt"]).max() < 3 * r / 2
@@ -106,7 +113,8 @@ def sunk(freefem_text, folder, body, mesh, dt, steps, *words, more=""):
 @pytest.mark.parametrize("shape", [DISK, ELLIPSE])
 @pytest.mark.parametrize("ratio", [0.1, 1.05, 20])
 def test_a_start_never_exceeds_the_terminal_velocity(ratio, shape, box, freefem_text, tmp_path):
-    """First rows were -0.7 (light), 1.8 and 4.6 times the terminal velocity, those of a body of 20 times the density up to 2 with nu dt/R^2 = 10. Where viscosity crosses the body many
+    """First rows were -0.7 (light), 1.8 and 4.6 times the terminal velocity, those of a body of 20 times the density up to 2 with
+    nu dt/R^2 = 10. Where viscosity crosses the body many
     times in a step, it has its velocity in the first row."""
     body, mesh = shape.format(s=ratio), box(1, 3)
     end = sunk(freefem_text, tmp_path / "end", body, mesh, 100, 40)[-1, 1]
@@ -121,7 +129,8 @@ def test_bodies_of_all_densities_start_together(box, freefem_text, tmp_path):
     bodies = "bodyDisk(3, 10, 1, 20); bodyDisk(7, 10.5, 0.8, 0.2); bodyEllipse(5, 15, 1, 0.6, 0.4, 1.5);"
     runs = []
     for dt, steps in ((1e3, 6), (100, 40)):
-        freefem_text(scene(bodies, 1, 1, -1e-9), "-mesh", box(1, 3), "-dt", dt, "-tend", dt * steps, "-cfl", 0, "-out", tmp_path / f"run{steps}")
+        freefem_text(scene(bodies, 1, 1, -1e-9), "-mesh", box(1, 3), "-dt", dt, "-tend", dt * steps, "-cfl", 0, "-out",
+            tmp_path / f"run{steps}")
         rows = RunFolder(tmp_path / f"run{steps}").particles
         runs.append(np.column_stack([rows["u"], rows["v"], rows["omega"]]).reshape(-1, 3, 3))
     assert abs(runs[0] - runs[1][-1]).max() < 0.02 * abs(runs[1][-1]).max()
@@ -145,7 +154,8 @@ def test_a_body_that_enters_a_slow_flow_later_sinks_at_once(box, freefem_text, t
     dt, mesh = 1e3, box(1, 3)
     rows = []
     for due, steps in ((0, 40), (3.5 * dt, 9)):
-        freefem_text(scene(f"queueAt(5.03, 10.02, 1, 2, {due});", 1, 1, -1e-9), "-mesh", mesh, "-dt", dt, "-tend", steps * dt, "-cfl", 0, "-out", tmp_path / f"run{steps}")
+        freefem_text(scene(f"queueAt(5.03, 10.02, 1, 2, {due});", 1, 1, -1e-9), "-mesh", mesh, "-dt", dt, "-tend", steps * dt,
+            "-cfl", 0, "-out", tmp_path / f"run{steps}")
         rows.append(RunFolder(tmp_path / f"run{steps}").particles["v"])
     share = rows[1] / rows[0][-1]
     assert len(share) == 5 and abs(share - 1).max() < 0.04, share

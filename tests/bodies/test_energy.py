@@ -1,4 +1,5 @@
-"""Closed boxes in which weights alone do work, or nothing does: the kinetic energy of fluid and bodies never exceeds what was supplied."""
+"""Closed boxes in which weights alone do work, or nothing does: the kinetic energy of fluid and bodies never exceeds what was
+supplied."""
 import numpy as np
 import pytest
 
@@ -34,9 +35,11 @@ def excess(run, start=0.0):
 
 @pytest.mark.parametrize("words", [(), ("-stabilise", 0), ("-ghost", 0)])
 def test_an_ellipse_that_falls_into_a_corner_has_no_more_than_the_work_of_its_weight(words, freefem_text, tmp_path):
-    """60 times as much in one step (134 and 190,000 without stabilisation and without ghost values): its flow of the impact passed through a vertex enclosed by those that have no continuity equation."""
+    """60 times as much in one step (134 and 190,000 without stabilisation and without ghost values): its flow of the impact passed
+    through a vertex enclosed by those that have no continuity equation."""
     mesh = tmp_path / "peak.mesh"
-    text = PEAK.format(file=mesh, sides=23) + case("bodyEllipse(1.5, 0.8, 0.3, 0.15, 0.8, 4);", walls="labelWall", mu=0.1, gravity=-981)
+    text = PEAK.format(file=mesh, sides=23) + case("bodyEllipse(1.5, 0.8, 0.3, 0.15, 0.8, 4);", walls="labelWall", mu=0.1,
+        gravity=-981)
     freefem_text(text, "-mesh", mesh, "-dt", 0.004, "-tend", 0.14, "-every", 0, "-budget", 1, "-out", tmp_path / "run", *words)
     run = RunFolder(tmp_path / "run")
     assert run.fluid["contacts"].max() > 0 and excess(run) <= 0
@@ -44,9 +47,11 @@ def test_an_ellipse_that_falls_into_a_corner_has_no_more_than_the_work_of_its_we
 
 @pytest.mark.parametrize("dt", [0.005, 0.0025])
 def test_a_light_disk_in_a_corner_gains_no_energy(dt, freefem_text, tmp_path):
-    """It drove the fluid from 0.7 to 333: the pressure's continuation into the corner amplified what moved the disk in each step."""
+    """It drove the fluid from 0.7 to 333: the pressure's continuation into the corner amplified what moved the disk in each
+    step."""
     mesh, start = tmp_path / "square.mesh", (0.2**2 + 0.7**2 + 0.5 * (1.5 * 0.085973)**2) * 0.5 * np.pi * 0.085973**2 * 0.07822
-    text = SQUARE.format(file=mesh) + case("bodyAdd(0.89739, 0.088465, 0.085973, 0.07822, -0.2, -0.7, 1.5, 1);", mu=0.000586, gravity=0)
+    text = SQUARE.format(file=mesh) + case("bodyAdd(0.89739, 0.088465, 0.085973, 0.07822, -0.2, -0.7, 1.5, 1);", mu=0.000586,
+        gravity=0)
     freefem_text(text, "-mesh", mesh, "-dt", dt, "-tend", 0.5, "-every", 0, "-budget", 1, "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     energy = run.table("budget")["kinetic_energy"]

@@ -25,19 +25,25 @@ def test_a_run_in_which_the_fluid_begins_to_jet_stops_and_says_where(freefem_tex
 def test_a_slow_growth_is_stopped_at_the_same_time_by_a_run_that_was_broken_off(freefem_text, tmp_path):
     """The energy of earlier steps is kept in checkpoints."""
     text, found = case("bodyAdd(0.3, 0.7, 0.1, 2, 0.2, 0, 0, 1);", more=GROWTH, gravity=0, mu=0.005), []
-    for words in (["-out", tmp_path / "whole", "-tend", 1], ["-out", tmp_path / "part", "-tend", 0.08, "-checkpoint", 8], ["-restart", tmp_path / "part", "-out", tmp_path / "rest", "-tend", 1]):
+    for words in (["-out", tmp_path / "whole", "-tend", 1], ["-out", tmp_path / "part", "-tend", 0.08, "-checkpoint", 8],
+        ["-restart", tmp_path / "part", "-out", tmp_path / "rest", "-tend", 1]):
         done = freefem_text(text, *words, check=False)
         found.append((done.returncode, re.search(STOP, done.stderr)))
     assert [status for status, _ in found] == [4, 0, 4]
-    assert found[0][1].groups() == found[2][1].groups() and 0.085 < float(found[0][1][1]) < 0.135  # 12 % a step; by the steps after the break alone it would be later
+    # 12 % a step; by the steps after the break alone it would be later
+    assert found[0][1].groups() == found[2][1].groups() and 0.085 < float(found[0][1][1]) < 0.135
 
 
 @pytest.mark.parametrize("name, text", [
-    ("a heavy disk stops in a very viscous fluid, whose pressure throws it back", case("bodyAdd(0.5, 0.5, 0.1, 12, 0, -1, 0, 1);", mu=1.0, gravity=0)),
-    ("a load that is reversed", case("bodyDisk(0.5, 0.5, 0.1, 0.1);", more="macro caseLoads(now) bodyPush(0, (now > 0.1 ? -0.1 : 0.1), 0, 0); // EOM", gravity=0)),
-    ("a lid set in motion when all is at rest", case("bodyDisk(0.5, 0.5, 0.1, 1);", walls="labelLeft, labelRight, labelBottom", moving="labelTop", more="macro boundaryU() (16*x*x*(1 - x)*(1 - x)) // EOM", gravity=0)
+    ("a heavy disk stops in a very viscous fluid, whose pressure throws it back", case("bodyAdd(0.5, 0.5, 0.1, 12, 0, -1, 0, 1);",
+        mu=1.0, gravity=0)),
+    ("a load that is reversed", case("bodyDisk(0.5, 0.5, 0.1, 0.1);", more="macro caseLoads(now) bodyPush(0, (now > 0.1 ? -0.1 : "
+        "0.1), 0, 0); // EOM", gravity=0)),
+    ("a lid set in motion when all is at rest", case("bodyDisk(0.5, 0.5, 0.1, 1);", walls="labelLeft, labelRight, labelBottom",
+        moving="labelTop", more="macro boundaryU() (16*x*x*(1 - x)*(1 - x)) // EOM", gravity=0)
         .replace("boundaryRamp(real t) { return 1; }", "boundaryRamp(real t) { return t > 0.1; }")),
-    ("a held disk that begins to oscillate", case("{ bodyHeld(bodyDisk(0.5, 0.5, 0.1, 1)); bodyDisk(0.3, 0.3, 0.1, 1.5); }", more="macro caseMotion(now) givenMotion(0, (now > 0.1 ? sin(20*now) : 0), 0, 0); // EOM", gravity=0)),
+    ("a held disk that begins to oscillate", case("{ bodyHeld(bodyDisk(0.5, 0.5, 0.1, 1)); bodyDisk(0.3, 0.3, 0.1, 1.5); }",
+        more="macro caseMotion(now) givenMotion(0, (now > 0.1 ? sin(20*now) : 0), 0, 0); // EOM", gravity=0)),
 ])
 def test_energy_that_something_supplies_is_let_pass(name, text, freefem_text, tmp_path):
     freefem_text(text, "-tend", 0.3, "-every", 0, "-out", tmp_path / "run")

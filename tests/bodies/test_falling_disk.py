@@ -41,7 +41,8 @@ def test_settling_disk_follows_the_published_velocity(freefem, tmp_path):
 
 def test_the_body_fitted_reference_is_that_of_its_script(freefem, tmp_path):
     """A coarse run of tools/peers/body_fitted/settling_disk.edp beside the table made by a fine one."""
-    freefem(ROOT / "tools" / "peers" / "body_fitted" / "settling_disk.edp", "-dt", "0.01", "-tend", "0.2", "-out", tmp_path / "fall.csv")
+    freefem(ROOT / "tools" / "peers" / "body_fitted" / "settling_disk.edp", "-dt", "0.01", "-tend", "0.2", "-out",
+        tmp_path / "fall.csv")
     coarse, fine = read_table(tmp_path / "fall.csv"), read_table(ROOT / "tests" / "reference" / "settling_disk_body_fitted.csv")
     for t, most in ((0.1, 5e-4), (0.2, 1e-4)):
         found, exact = (np.interp(t, table["t_s"], table["v_cm_per_s"]) for table in (coarse, fine))
@@ -53,7 +54,8 @@ def test_a_disk_of_exactly_two_elements_falls_within_a_few_percent(freefem, tmp_
     fall = []
     for cells in (8, 32):
         path = make_mesh(tmp_path / f"box{cells}.mesh", "box", "--width", 1, "--height", 1, "--size", 1 / cells)
-        run = particles_of(freefem, tmp_path / f"run{cells}", "settling_disk", "-mesh", path, "-x", "0.5", "-y", "0.53", "-gravity", "-100", "-dt", "0.002", "-tend", "0.1")
+        run = particles_of(freefem, tmp_path / f"run{cells}", "settling_disk", "-mesh", path, "-x", "0.5", "-y", "0.53",
+            "-gravity", "-100", "-dt", "0.002", "-tend", "0.1")
         fall.append(run["v"][-1])
     assert fall[1] < -0.3
     assert fall[0] == pytest.approx(fall[1], rel=0.04)

@@ -14,11 +14,14 @@ def scene(bodies, motion, mu=0.01, **sides):
 
 
 def test_the_force_on_an_oscillating_cylinder(freefem_text, tmp_path):
-    """In a container, amplitude a twentieth of the diameter, ten elements across: against the exact force, added mass and damping."""
+    """In a container, amplitude a twentieth of the diameter, ten elements across: against the exact force, added mass and
+    damping."""
     mesh, steps, speed = tmp_path / "round.mesh", 60, 0.02 * 2 * np.pi
     text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(160)), "{mesh}");\n'
-    text += scene("bodyAdd(0.003, 0.007, 0.2, 1, 0, 0, 0, 0);", f"givenMotion(0, {speed}*cos(2*pi*(now)), 0, 0);", mu=0.02, walls="labelWall")
-    freefem_text(text, "-mesh", mesh, "-convection", 0, "-forces", 1, "-every", 0, "-dt", 1 / steps, "-cfl", 0, "-tend", 3, "-out", tmp_path / "run")
+    text += scene("bodyAdd(0.003, 0.007, 0.2, 1, 0, 0, 0, 0);", f"givenMotion(0, {speed}*cos(2*pi*(now)), 0, 0);", mu=0.02,
+        walls="labelWall")
+    freefem_text(text, "-mesh", mesh, "-convection", 0, "-forces", 1, "-every", 0, "-dt", 1 / steps, "-cfl", 0, "-tend", 3, "-out",
+        tmp_path / "run")
     rows = RunFolder(tmp_path / "run").table("forces")
     last = rows["t"] > 2 + 0.5 / steps
     assert last.sum() == steps
@@ -39,7 +42,8 @@ def test_a_large_cylinder_can_be_moved_for_long(freefem_text, tmp_path):
         values = run.fluid[name][-2 * steps:]
         assert np.abs(values[steps:] - values[:steps]).max() < 0.01 * values.max(), name
     x = run.particles["x"]
-    assert x.min() > 0.4 - 0.02 * amplitude and x.max() == pytest.approx(0.4 + 2 * amplitude, abs=0.02 * amplitude)  # the first step, of Euler, is off by 0.012
+    # the first step, of Euler, is off by 0.012
+    assert x.min() > 0.4 - 0.02 * amplitude and x.max() == pytest.approx(0.4 + 2 * amplitude, abs=0.02 * amplitude)
 
 
 def test_a_held_body_keeps_its_velocity_when_the_case_stops_moving_it(freefem_text, tmp_path):
@@ -56,7 +60,8 @@ def test_a_held_body_keeps_its_velocity_when_the_case_stops_moving_it(freefem_te
 @pytest.mark.parametrize("bodies, steps, overlap", [
     ("bodyAdd(0.3, 0.5, 0.1, 1, 0, 0, 0, 0); bodyAdd(0.53, 0.5, 0.1, 1, 0, 0, 0, 0);", 5, 0.03),
     ("bodyAdd(0.85, 0.5, 0.1, 1, 0, 0, 0, 0);", 6, 0.02),
-    ("bodyAdd(0.3, 0.5, 0.1, 1, 0, 0, 0, 0); bodyAdd(0.53, 0.5, 0.1, 1, 0, 0, 0, 0); bodyEllipse(0.15, 0.85, 0.09, 0.06, 0.3, 1);", 5, 0.03),
+    ("bodyAdd(0.3, 0.5, 0.1, 1, 0, 0, 0, 0); bodyAdd(0.53, 0.5, 0.1, 1, 0, 0, 0, 0); bodyEllipse(0.15, 0.85, 0.09, 0.06, 0.3, 1);",
+        5, 0.03),
     ("bodyAdd(0.85, 0.5, 0.1, 1, 0, 0, 0, 0); bodyEllipse(0.15, 0.85, 0.09, 0.06, 0.3, 1);", 6, 0.02),
 ])
 def test_held_bodies_moved_into_each_other_or_a_wall_are_warned_of(bodies, steps, overlap, freefem_text, tmp_path):
@@ -72,14 +77,16 @@ def test_held_bodies_moved_into_each_other_or_a_wall_are_warned_of(bodies, steps
     ("bodyHeld(bodyEllipse(0.6, 0.15, 0.1, 0.07, pi/2, 1)); bodyEllipse(0.85, 0.08, 0.1, 0.07, 0, 1);", "linearisations"),
 ])
 def test_a_body_that_is_squeezed_against_a_wall_ends_the_run_with_the_reason(bodies, complaint, freefem_text, tmp_path):
-    done = freefem_text(scene(bodies, "givenMotion(0, 1, 0, 0);"), "-dt", 0.01, "-cfl", 0, "-contact-maxit", 5000, "-every", 0, "-tend", 0.4, "-out", tmp_path / "run", check=False)
+    done = freefem_text(scene(bodies, "givenMotion(0, 1, 0, 0);"), "-dt", 0.01, "-cfl", 0, "-contact-maxit", 5000, "-every", 0,
+        "-tend", 0.4, "-out", tmp_path / "run", check=False)
     assert done.returncode == 4 and len(done.stderr.strip().splitlines()) == 1
     assert complaint in done.stderr and "leave a body no room" in done.stderr
 
 
 def test_a_held_ellipse_in_a_wall_leaves_the_contacts_of_others_alone(freefem_text, tmp_path):
     """A disk rests on the floor while the ellipse is moved into the right wall; nothing that cannot move presses."""
-    text = scene("bodyHeld(bodyEllipse(0.84, 0.7, 0.1, 0.06, 0, 1)); bodyDisk(0.3, 0.1001, 0.1, 20);", "givenMotion(0, 0.5, 0, 0);").replace("gravityY = 0", "gravityY = -1")
+    text = scene("bodyHeld(bodyEllipse(0.84, 0.7, 0.1, 0.06, 0, 1)); bodyDisk(0.3, 0.1001, 0.1, 20);",
+        "givenMotion(0, 0.5, 0, 0);").replace("gravityY = 0", "gravityY = -1")
     done = freefem_text(text, "-dt", 0.01, "-cfl", 0, "-every", 0, "-tend", 0.2, "-out", tmp_path / "run")
     assert (done.stdout + done.stderr).count("make bodies overlap each other or walls by") == 1
     contacts = RunFolder(tmp_path / "run").table("contacts")
@@ -95,7 +102,8 @@ def test_a_body_that_moves_freely_cannot_be_given_a_motion(freefem_text, tmp_pat
 
 
 def test_a_body_that_is_not_there_cannot_be_given_a_motion(freefem_text, tmp_path):
-    done = freefem_text(scene("bodyAdd(0.5, 0.5, 0.16, 1, 0, 0, 0, 0);", "givenMotion(1, 1, 0, 0);"), "-tend", 0.1, "-out", tmp_path / "run", check=False)
+    done = freefem_text(scene("bodyAdd(0.5, 0.5, 0.16, 1, 0, 0, 0, 0);", "givenMotion(1, 1, 0, 0);"), "-tend", 0.1, "-out",
+        tmp_path / "run", check=False)
     assert done.returncode == 3 and "particle 1, which does not exist" in done.stderr and len(done.stderr.strip().splitlines()) == 1
 
 
@@ -107,8 +115,10 @@ def test_a_motion_that_is_no_number_is_refused(freefem_text, tmp_path):
 
 @pytest.mark.parametrize("density, free", [(1, 0), (1e6, 0), (1e6, 1)])
 def test_the_flow_round_a_held_disk_does_not_swing_by_itself(density, free, freefem_text, tmp_path):
-    """At mu dt/(rho h^2) = 15, where it did: steady, slower than without the disk, and its force and the walls' take the push. A heavy one is as good as held."""
-    freefem_text(HELD.replace("0.2, 1, 0, 0, 0, 0)", f"0.2, {density}, 0, 0, 0, {free})"), "-dt", 0.05, "-tend", 12, "-every", 1, "-forces", 1, "-wallforces", 1, "-out", tmp_path / "run")
+    """At mu dt/(rho h^2) = 15, where it did: steady, slower than without the disk, and its force and the walls' take the push. A
+    heavy one is as good as held."""
+    freefem_text(HELD.replace("0.2, 1, 0, 0, 0, 0)", f"0.2, {density}, 0, 0, 0, {free})"), "-dt", 0.05, "-tend", 12, "-every", 1,
+        "-forces", 1, "-wallforces", 1, "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     drag = run.table("forces")["fx"]
     assert abs(drag[-1] - drag[-2]) < 1e-3 * drag[-1]
@@ -119,5 +129,6 @@ def test_the_flow_round_a_held_disk_does_not_swing_by_itself(density, free, free
 
 def test_a_disk_centred_on_a_node_beside_an_ellipse(freefem_text, tmp_path):
     """The foot of a circle's centre on its edge is any point: it was 0/0."""
-    freefem_text(case("bodyDisk(0.3125, 0.5, 0.07, 2); bodyEllipse(0.7, 0.5, 0.09, 0.06, 0.3, 2);"), "-dt", 0.005, "-tend", 0.02, "-out", tmp_path / "run")
+    freefem_text(case("bodyDisk(0.3125, 0.5, 0.07, 2); bodyEllipse(0.7, 0.5, 0.09, 0.06, 0.3, 2);"), "-dt", 0.005, "-tend", 0.02,
+        "-out", tmp_path / "run")
     assert np.isfinite(RunFolder(tmp_path / "run").particles["v"]).all()

@@ -1,4 +1,5 @@
-"""Bodies that hit walls and each other in a fluid: momentum with the walls' impulses, no bouncing off an unresolved gap, no overlap from the first move on."""
+"""Bodies that hit walls and each other in a fluid: momentum with the walls' impulses, no bouncing off an unresolved gap, no overlap
+from the first move on."""
 import numpy as np
 import pytest
 
@@ -32,7 +33,8 @@ def test_the_impulse_of_an_impact_at_a_wall_closes_the_balance(ratio, freefem_te
 
 @pytest.mark.parametrize("ratio", [0.2, 2])
 def test_a_disk_lands_without_a_rebound_whatever_the_step(ratio, freefem_text, tmp_path):
-    """A gap that the mesh does not resolve was a spring (half of the speed came back), and an impact divided between two steps left up to a sixth of it; its impulse then varied by 17 % with the step."""
+    """A gap that the mesh does not resolve was a spring (half of the speed came back), and an impact divided between two steps left
+    up to a sixth of it; its impulse then varied by 17 % with the step."""
     impulses = []
     for step in (0.002, 0.0005):
         run, v, gap = landing(freefem_text, tmp_path / f"run{step}", ratio, step, 0.28 if ratio < 1 else 0.38)
@@ -49,10 +51,12 @@ def test_a_disk_lands_without_a_rebound_whatever_the_step(ratio, freefem_text, t
 
 @pytest.mark.parametrize("ratios", [(2, 2), (1.2, 3)])
 def test_a_disk_that_hits_one_at_rest_on_the_floor_stays_there(ratios, freefem_text, tmp_path):
-    """That one was pushed by contact forces of the next step: up to 0.16 of the speed came back, the fluid's force was up to 40 times as large as before, and a tenth of the impulse was missing for some steps."""
+    """That one was pushed by contact forces of the next step: up to 0.16 of the speed came back, the fluid's force was up to 40
+    times as large as before, and a tenth of the impulse was missing for some steps."""
     impulses = []
     for step in (0.002, 0.0005):
-        text = case(f"bodyDisk(0.5, 0.1200001, 0.12, {ratios[0]}); bodyAdd(0.5003, 0.42, 0.12, {ratios[1]}, 0, -1.5, 0, 1);", mu=0.002, gravity=-20)
+        text = case(f"bodyDisk(0.5, 0.1200001, 0.12, {ratios[0]}); bodyAdd(0.5003, 0.42, 0.12, {ratios[1]}, 0, -1.5, 0, 1);",
+            mu=0.002, gravity=-20)
         freefem_text(text, "-dt", step, "-tend", 0.1, "-every", 0, "-forces", 1, "-budget", 1, "-out", tmp_path / f"run{step}")
         run = RunFolder(tmp_path / f"run{step}")
         contacts, q, forces, budget = run.table("contacts"), run.particles, run.table("forces"), run.table("budget")
@@ -102,12 +106,15 @@ PUSH = """macro caseStep() {
 
 
 @pytest.mark.parametrize("place, jump, exact, within", [
-    ((0.003, 0.007), (1, 0), 1.04 / 0.96, 0.03),       # in the middle of a round container five times as wide: (R^2 + a^2)/(R^2 - a^2)
-    ((0.003, -0.79), (0, 1), np.pi**2 / 3 - 1, 0.15)])  # near its wall, nearly plane there: two cylinders that touch (the gap is of an element)
+    # in the middle of a round container five times as wide: (R^2 + a^2)/(R^2 - a^2)
+    ((0.003, 0.007), (1, 0), 1.04 / 0.96, 0.03),
+    # near its wall, nearly plane there: two cylinders that touch (the gap is of an element)
+    ((0.003, -0.79), (0, 1), np.pi**2 / 3 - 1, 0.15)])
 def test_the_flow_of_an_impact_has_the_added_mass_of_an_ideal_fluid(place, jump, exact, within, freefem_text, tmp_path):
     mesh = tmp_path / "round.mesh"
     text = round_container(mesh)
-    text += case(f"bodyDisk({place[0]}, {place[1]}, 0.2, 2);", walls="labelWall", more=PUSH.replace("JUMP", f"{jump[0]}., {jump[1]}."))
+    text += case(f"bodyDisk({place[0]}, {place[1]}, 0.2, 2);", walls="labelWall", more=PUSH.replace("JUMP",
+        f"{jump[0]}., {jump[1]}."))
     text = standard_alone(text)
     done = freefem_text(text, "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
     added = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("added")).split()[1:]]
@@ -147,12 +154,15 @@ def test_the_flow_of_an_impact_is_corrected_until_it_satisfies_the_continuity_eq
 
 @pytest.mark.parametrize("angle, place", [(0, (0.003, 0.007)), (1.2, (0.005, 0.015))])
 def test_two_that_touch_and_part_push_the_fluid_as_two_cylinders_do(angle, place, freefem_text, tmp_path):
-    """In elements of both hardly any fluid was left to flow in between them: four to six times the added mass, and impulses of impacts three times too large."""
+    """In elements of both hardly any fluid was left to flow in between them: four to six times the added mass, and impulses of
+    impacts three times too large."""
     mesh, along = tmp_path / "round.mesh", 0.20025 * np.array([np.cos(angle), np.sin(angle)])
     text = round_container(mesh)
     (xa, ya), (xb, yb) = place - along, place + along
-    push = PUSH.replace("[JUMP, 0.], held(3), e(flowNq), got(3)", f"[{-along[0]}, {along[0]}, {-along[1]}, {along[1]}, 0., 0.], held(6), e(flowNq), got(6)")
-    text += case(f"bodyDisk({xa}, {ya}, 0.2, 2); bodyDisk({xb}, {yb}, 0.2, 2);", walls="labelWall", more=push.replace("got[0] << \" \" << got[1]", "got[1] - got[0] << \" \" << got[3] - got[2]"))
+    push = PUSH.replace("[JUMP, 0.], held(3), e(flowNq), got(3)", f"[{-along[0]}, {along[0]}, {-along[1]}, {along[1]}, 0., 0.], "
+        f"held(6), e(flowNq), got(6)")
+    text += case(f"bodyDisk({xa}, {ya}, 0.2, 2); bodyDisk({xb}, {yb}, 0.2, 2);", walls="labelWall",
+        more=push.replace("got[0] << \" \" << got[1]", "got[1] - got[0] << \" \" << got[3] - got[2]"))
     done = freefem_text(standard_alone(text), "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
     added = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("added")).split()[1:]]
     assert -np.dot(added, along) / (2 * np.dot(along, along)) / (np.pi * 0.04) == pytest.approx(np.pi**2 / 3 - 1, rel=0.15)
@@ -195,17 +205,22 @@ GAPS = """macro caseStep() {
 
 @pytest.mark.parametrize("bodies", [
     "bodyDisk(0.003, -0.795, 0.2, 2);",  # a disk at the wall
-    "for (int i = 0; i < 6; ++i) for (int j = 0; j < 5; ++j) bodyDisk(0.085*i - 0.2 + 0.0425*(j % 2), 0.0745*j - 0.1, 0.0415, 2);"])  # a heap, two elements across
+    # a heap, two elements across
+    "for (int i = 0; i < 6; ++i) for (int j = 0; j < 5; ++j) bodyDisk(0.085*i - 0.2 + 0.0425*(j % 2), 0.0745*j - 0.1, 0.0415, 2);"])
 def test_what_unresolved_gaps_push_out_stays_in_the_sum(bodies, freefem_text, tmp_path):
-    """The divergence of closed vertices goes to open ones beside them, nothing farther off changes, and their pressure is of those round them, by the transpose of that."""
+    """The divergence of closed vertices goes to open ones beside them, nothing farther off changes, and their pressure is of those
+    round them, by the transpose of that."""
     mesh = tmp_path / "round.mesh"
     text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(160)), "{mesh}");\n'
     text += case(bodies, walls="labelWall", more=GAPS)
     text = standard_alone(text)
     done = freefem_text(text, "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
-    number, lost, kept, far = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("gaps")).split()[1:]]
-    work, moved = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("transposed")).split()[1:]]
-    constant, slope = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("filled")).split()[1:]]
+    number, lost, kept, far = [float(word) for word in next(line for line in done.stdout.splitlines()
+        if line.startswith("gaps")).split()[1:]]
+    work, moved = [float(word) for word in next(line for line in done.stdout.splitlines()
+        if line.startswith("transposed")).split()[1:]]
+    constant, slope = [float(word) for word in next(line for line in done.stdout.splitlines()
+        if line.startswith("filled")).split()[1:]]
     assert number > 0
     assert abs(lost) < 1e-13 and kept < 1e-5 and far == 0
     assert moved == pytest.approx(work, rel=1e-9)
@@ -216,11 +231,15 @@ def test_what_unresolved_gaps_push_out_stays_in_the_sum(bodies, freefem_text, tm
     ("bodyAdd(0.35, 0.5, 0.08, 5, {}, 0, 0, 1); bodyEllipse(0.6, 0.5, 0.12, 0.06, 0.8, 1);", 0.12, 0.007),
     ("bodyAdd(0.35, 0.5, 0.08, 5, {}, 0, 0, 1); bodyEllipse(0.6, 0.5, 0.12, 0.06, 0, 1);", 0.15, 0.007),
     ("bodyAdd(0.35, 0.44, 0.1, 2, {}, 0, 0, 1); bodyDisk(0.6, 0.5, 0.1, 1);", 0.23, 0.007),
-    ("bodyAdd(0.35, 0.5, 0.1, 1, 2, 0, 0, 1); bodyAdd(0.6, 0.5, 0.1, 0.3, -{}, 0, 0, 1);", 0.10, 0.04),  # of a light one the nodes' inertia changes from step to step, 3 % of the impulse without any contact
-    ("bodyAdd(0.26, 0.5, 0.1, 2, {}, 0, 0, 1); bodyDisk(0.5, 0.5, 0.1, 1); bodyDisk(0.715, 0.52, 0.1, 1);", 0.21, 0.007)])  # the third is near, and not hit
+    # of a light one the nodes' inertia changes from step to step, 3 % of the impulse without any contact
+    ("bodyAdd(0.35, 0.5, 0.1, 1, 2, 0, 0, 1); bodyAdd(0.6, 0.5, 0.1, 0.3, -{}, 0, 0, 1);", 0.10, 0.04),
+    # the third is near, and not hit
+    ("bodyAdd(0.26, 0.5, 0.1, 2, {}, 0, 0, 1); bodyDisk(0.5, 0.5, 0.1, 1); bodyDisk(0.715, 0.52, 0.1, 1);", 0.21, 0.007)])
 def test_an_impact_keeps_the_momentum_of_fluid_and_bodies(bodies, before, within, freefem_text, tmp_path):
-    """In the eight steps from the first impact on, at two speeds, which meet in other parts of a step; before: the jump over the impulse as the projection's masses say.
-    Divided between two steps, 0.03 to 0.86 of the impulse was in the first, and up to 5 % of it (11 % with the light one) was missing for five steps."""
+    """In the eight steps from the first impact on, at two speeds, which meet in other parts of a step; before: the jump over the
+    impulse as the projection's masses say.
+    Divided between two steps, 0.03 to 0.86 of the impulse was in the first, and up to 5 % of it (11 % with the light one) was
+    missing for five steps."""
     for speed in (1.9, 2.1):
         found = momentum_told(freefem_text, tmp_path / f"run{speed}", bodies.format(speed))
         first = int(np.argmax(found[:, 2] > 1e-4))
@@ -234,7 +253,8 @@ def test_an_impact_keeps_the_momentum_of_fluid_and_bodies(bodies, before, within
 
 
 def test_a_disk_that_hits_a_row_of_two_in_contact_moves_both_at_once(freefem_text, tmp_path):
-    """These are pressed together; as forces of the next step the impulse reached them in five steps, and up to 14 % of it was missing meanwhile."""
+    """These are pressed together; as forces of the next step the impulse reached them in five steps, and up to 14 % of it was
+    missing meanwhile."""
     loads = "macro caseLoads(now) bodyPush(1, 0.5, 0, 0); bodyPush(2, -0.5, 0, 0); // EOM\n"
     bodies = "bodyAdd(0.255, 0.5, 0.08, 2, 1.9, 0, 0, 1); bodyDisk(0.45, 0.5, 0.08, 1.5); bodyDisk(0.61, 0.5, 0.08, 1.5);"
     found = momentum_told(freefem_text, tmp_path / "run", bodies, loads)
@@ -261,9 +281,11 @@ def test_a_restart_between_an_impact_and_the_move_that_closes_the_gap(freefem_te
 
 
 def test_an_impact_of_two_bodies_is_no_impulse_of_the_walls(freefem_text, tmp_path):
-    """In a closed box, in the step of the impact: what the contact gave to either body was in the sum of the walls' impulses where the fluid's share had changed it."""
+    """In a closed box, in the step of the impact: what the contact gave to either body was in the sum of the walls' impulses where
+    the fluid's share had changed it."""
     text = case("bodyAdd(0.3, 0.5, 0.1, 2, 2, 0, 0, 1); bodyDisk(0.55, 0.52, 0.1, 1.5);", mu=0.005, gravity=0)
-    freefem_text(text, "-dt", 0.004, "-cfl", 0, "-tend", 0.08, "-every", 0, "-budget", 1, "-tolerance", 1e-8, "-out", tmp_path / "run")
+    freefem_text(text, "-dt", 0.004, "-cfl", 0, "-tend", 0.08, "-every", 0, "-budget", 1, "-tolerance", 1e-8, "-out",
+        tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     budget, contacts = run.table("budget"), run.table("contacts")
     assert {*contacts["i"], *contacts["j"]} == {0, 1}

@@ -1,4 +1,5 @@
-"""Collisions of bodies that touch others already: contact forces follow what they carry, and only what is beyond them is a collision."""
+"""Collisions of bodies that touch others already: contact forces follow what they carry, and only what is beyond them is a
+collision."""
 import numpy as np
 import pytest
 
@@ -19,10 +20,13 @@ def calm_impulses(run):
     return np.array(found)
 
 
-@pytest.mark.parametrize("kind, seeds, off_by, mean, most", [("disk", (5, 6, 7, 8), 0.05, 0.22, 0.3), ("ellipse", (5,), 0.2, 0.16, 0.16)])
+@pytest.mark.parametrize("kind, seeds, off_by, mean, most", [("disk", (5, 6, 7, 8), 0.05, 0.22, 0.3), ("ellipse", (5,), 0.2, 0.16,
+    0.16)])
 def test_a_settling_heap_keeps_its_momentum_in_each_step(kind, seeds, off_by, mean, most, freefem_text, tmp_path):
-    """Less the impulses of weight and walls, over that of the weight in a step: 0.03 and 0.10 (1.1 and 0.5 when gentle collisions kept the jumps of the projection, 0.17 when
-    contacts could pull, 0.05 to 0.08 when the pressure between disks was rough). The largest contact force between collisions varies with the seed of the disks' places:
+    """Less the impulses of weight and walls, over that of the weight in a step: 0.03 and 0.10 (1.1 and 0.5 when gentle collisions
+    kept the jumps of the projection, 0.17 when
+    contacts could pull, 0.05 to 0.08 when the pressure between disks was rough). The largest contact force between collisions
+    varies with the seed of the disks' places:
     0.21, 0.15, 0.25, 0.11 (0.15, 0.40, 0.37, 0.14 with the rough pressure); of ellipses 0.13 (0.15)."""
     calm = []
     for seed in seeds:
@@ -32,7 +36,8 @@ def test_a_settling_heap_keeps_its_momentum_in_each_step(kind, seeds, off_by, me
             for i in range(5):
                 place = f"{0.14 + 0.18 * i + 0.02 * (j % 2) + 0.01 * rng.random():.4f}, {0.12 + 0.18 * j + 0.01 * rng.random():.4f}, {0.07 + 0.012 * rng.random():.4f}"
                 bodies += f"bodyDisk({place}, 2); " if kind == "disk" else f"bodyEllipse({place}, {0.045 + 0.01 * rng.random():.4f}, {3 * rng.random():.3f}, 2); "
-        freefem_text(case(bodies, mu=0.002, gravity=-10), "-dt", 0.004, "-tend", 1.2, "-every", 0, "-budget", 1, "-out", tmp_path / f"run{seed}")
+        freefem_text(case(bodies, mu=0.002, gravity=-10), "-dt", 0.004, "-tend", 1.2, "-every", 0, "-budget", 1, "-out",
+            tmp_path / f"run{seed}")
         run = RunFolder(tmp_path / f"run{seed}")
         budget = run.table("budget")
         weight = abs(np.diff(budget["weight_y"])).max()
@@ -47,7 +52,8 @@ def test_a_settling_heap_keeps_its_momentum_in_each_step(kind, seeds, off_by, me
 
 @pytest.mark.parametrize("speed", [1.9, 2.1])
 def test_two_pairs_in_contact_that_meet_collide_in_one_step(speed, freefem_text, tmp_path):
-    """Each is pressed together by loads. As all four were in contact, the collision was taken for a force: it took five steps, and up to 6 % of the impulse was missing in them."""
+    """Each is pressed together by loads. As all four were in contact, the collision was taken for a force: it took five steps, and
+    up to 6 % of the impulse was missing in them."""
     loads = "macro caseLoads(now) bodyPush(0, 0.5, 0, 0); bodyPush(1, -0.5, 0, 0); bodyPush(2, 0.5, 0, 0); bodyPush(3, -0.5, 0, 0); // EOM\n"
     bodies = f"bodyAdd(0.16, 0.5, 0.08, 2, {speed}, 0, 0, 1); bodyAdd(0.32, 0.5, 0.08, 2, {speed}, 0, 0, 1); bodyDisk(0.54, 0.5, 0.08, 1.5); bodyDisk(0.70, 0.5, 0.08, 1.5);"
     found = momentum_told(freefem_text, tmp_path / "run", bodies, loads)
@@ -62,9 +68,11 @@ def test_two_pairs_in_contact_that_meet_collide_in_one_step(speed, freefem_text,
 
 @pytest.mark.parametrize("density", [0.3, 3])
 def test_a_load_on_a_weightless_disk_that_touches_the_floor_is_no_collision(density, freefem_text, tmp_path):
-    """The floor bears it from the first step on. As a collision its impulse was 2.2 and 1.7 times the load's, and the fluid's force 0.8 and 0.3 times the load."""
+    """The floor bears it from the first step on. As a collision its impulse was 2.2 and 1.7 times the load's, and the fluid's force
+    0.8 and 0.3 times the load."""
     loads = "macro caseLoads(now) bodyPush(0, 0, (now > 0.0401)*(-0.5), 0); // EOM"
-    freefem_text(case(f"bodyDisk(0.5, 0.1, 0.1, {density});", mu=0.005, gravity=0, more=loads), "-dt", 0.004, "-cfl", 0, "-tend", 0.1, "-every", 0, "-forces", 1, "-out", tmp_path / "run")
+    freefem_text(case(f"bodyDisk(0.5, 0.1, 0.1, {density});", mu=0.005, gravity=0, more=loads), "-dt", 0.004, "-cfl", 0, "-tend",
+        0.1, "-every", 0, "-forces", 1, "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     contacts = run.table("contacts")
     assert contacts["t"][0] == pytest.approx(0.044) and len(contacts["t"]) == 15
@@ -73,11 +81,14 @@ def test_a_load_on_a_weightless_disk_that_touches_the_floor_is_no_collision(dens
 
 
 def test_a_disk_slides_from_wall_to_wall_without_collisions(freefem_text, tmp_path):
-    """Along a ring of 120 chords, over two corners of 3 degrees. A contact with the next wall was a collision: one impulse was 2.7 times the weight's."""
+    """Along a ring of 120 chords, over two corners of 3 degrees. A contact with the next wall was a collision: one impulse was 2.7
+    times the weight's."""
     mesh = tmp_path / "ring.mesh"
-    text = ring(mesh).replace("outer(60)", "outer(120)") + case("bodyDisk(-0.5, -0.716, 0.12, 5);", walls="labelWall, labelCylinder", mu=0.005, gravity=-5)
+    text = ring(mesh).replace("outer(60)", "outer(120)") + case("bodyDisk(-0.5, -0.716, 0.12, 5);",
+        walls="labelWall, labelCylinder", mu=0.005, gravity=-5)
     freefem_text(text, "-mesh", mesh, "-dt", 0.004, "-cfl", 0, "-tend", 0.4, "-every", 0, "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     contacts = run.table("contacts")
-    impulse = np.array([contacts["impulse"][abs(contacts["t"] - t) < 1e-9].sum() for t in run.fluid["t"]]) / (np.pi * 0.12**2 * 20 * 0.004)
+    impulse = np.array([contacts["impulse"][abs(contacts["t"] - t) < 1e-9].sum() for t in run.fluid["t"]]) / (np.pi * 0.12**2 * 20
+        * 0.004)
     assert len(set(contacts["j"])) == 3 and 0.5 < impulse[20:].min() and impulse[20:].max() < 2

@@ -17,7 +17,8 @@ include "scripts/resolved.edp"
 
 
 def test_memory_stays_as_bodies_enter_and_leave(freefem_text, tmp_path):
-    """900 steps, 70 entries and as many exits. 20,000 steps with 660 entries kept the same 42.7 MB to 4 kB; 0.5 kB a step would be 150 kB between the windows."""
+    """900 steps, 70 entries and as many exits. 20,000 steps with 660 entries kept the same 42.7 MB to 4 kB; 0.5 kB a step would be
+    150 kB between the windows."""
     mesh = make_mesh(tmp_path / "channel.mesh", "poiseuille", "--length", 1, "--height", 1, "--size", 0.1)
     text = freefem_text(SCENE, "-mesh", mesh, "-out", tmp_path / "run").stdout
     stored = [(int(step), int(used)) for step, used in re.findall(r"STORED (\d+) (\d+)", text)]

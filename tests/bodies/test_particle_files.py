@@ -5,7 +5,8 @@ from tests.conftest import ROOT
 from tools.base.tables import read_table
 
 
-@pytest.mark.parametrize("rows, complaint", [("5,1,2,x,2\n", "line 2"), ("", "contains no particle"), ("5,1,2,0.1,2\n\n6,1,3,0.1\n", "line 4")])
+@pytest.mark.parametrize("rows, complaint", [("5,1,2,x,2\n", "line 2"), ("", "contains no particle"),
+    ("5,1,2,0.1,2\n\n6,1,3,0.1\n", "line 4")])
 def test_a_bad_file_of_particles_is_refused_with_its_line(freefem_refused, tmp_path, rows, complaint):
     file = tmp_path / "disks.csv"
     file.write_text("id,x,y,radius,density\n" + rows)
@@ -44,7 +45,8 @@ def test_a_bad_list_of_particles_is_refused(freefem, tmp_path, text, words):
 
 
 def test_what_windows_and_spreadsheets_write_is_read(freefem_text, tmp_path):
-    """Numbers such as 5., blanks beside names and numbers, line ends and a byte order mark of Windows, in particles and in a mesh."""
+    """Numbers such as 5., blanks beside names and numbers, line ends and a byte order mark of Windows, in particles and in a
+    mesh."""
     mesh = (ROOT / "meshes/cavity.mesh").read_bytes()
     (tmp_path / "windows.mesh").write_bytes(mesh.replace(b"\n", b"\r\n"))
     (tmp_path / "windows.csv").write_bytes(b"\xef\xbb\xbfid, x,y , radius,density\r\n7,5.,-.5,1.e-1,2\r\n9,3, 4.e0 ,1,2.\r\n")

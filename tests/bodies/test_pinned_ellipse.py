@@ -29,29 +29,35 @@ def torque(freefem_text, folder, angle):
     """Of the steady stream on the ellipse at this angle."""
     folder.mkdir()
     text = SIDES + RING.format(k=0, x=PLACE[0], y=PLACE[1], a=LONG, b=SHORT, c=angle, label=5)
-    text += f'savemesh(buildmesh(below(96) + out(24) + above(96) + into(24) + ring0(-80)), "{folder}/fitted.mesh");\n' + FITTED.format(mu=MU, place=PLACE)
+    text += (f'savemesh(buildmesh(below(96) + out(24) + above(96) + into(24) + ring0(-80)), "{folder}/fitted.mesh");\n'
+        + FITTED.format(mu=MU, place=PLACE))
     freefem_text(text, "-mesh", folder / "fitted.mesh", "-out", folder / "run")
-    return next(float(line.split(",")[1]) for line in (folder / "run/results.csv").read_text().splitlines() if line.startswith("torque,"))
+    return next(float(line.split(",")[1]) for line in (folder / "run/results.csv").read_text().splitlines()
+        if line.startswith("torque,"))
 
 
 def turned(freefem_text, folder, body, end, *words):
     folder.mkdir()
     text = SIDES + f'savemesh(buildmesh(below(112) + out(28) + above(112) + into(28)), "{folder}/plain.mesh");\n'
     text += case(body, walls="labelWall", moving="labelInlet", outlet="labelOutlet", mu=MU, gravity=0, more=STREAM)
-    freefem_text(text, "-mesh", folder / "plain.mesh", "-dt", 0.05, "-every", 0, "-tend", end, "-forces", 1, "-out", folder / "run", *words)
+    freefem_text(text, "-mesh", folder / "plain.mesh", "-dt", 0.05, "-every", 0, "-tend", end, "-forces", 1, "-out",
+        folder / "run", *words)
     return RunFolder(folder / "run")
 
 
 def test_a_held_ellipse_bears_the_torque_of_a_body_fitted_mesh(freefem_text, tmp_path):
     """Reynolds number 20, seven elements across the short axis."""
     exact = torque(freefem_text, tmp_path / "fitted", 0.6)
-    found = turned(freefem_text, tmp_path / "held", f"bodyHeld(bodyEllipse({PLACE[0]}, {PLACE[1]}, {LONG}, {SHORT}, 0.6, 1));", 3).table("forces")
+    found = turned(freefem_text, tmp_path / "held", f"bodyHeld(bodyEllipse({PLACE[0]}, {PLACE[1]}, {LONG}, {SHORT}, 0.6, 1));",
+        3).table("forces")
     assert exact > 0 and found["torque"][found["t"] > 2.8] == pytest.approx(exact, rel=0.012)
 
 
 def test_an_ellipse_on_a_pin_comes_to_rest_where_the_stream_does_not_turn_it(freefem_text, tmp_path):
-    """Nearly across the stream, a twentieth of a radian beyond by its shear; at that angle the torque of a body-fitted steady computation is 0 and falls, by a fifth of its largest in each tenth of a radian."""
-    rows = turned(freefem_text, tmp_path / "pinned", f"bodyPinned(bodyEllipse({PLACE[0]}, {PLACE[1]}, {LONG}, {SHORT}, 0.6, 1));", 6).particles
+    """Nearly across the stream, a twentieth of a radian beyond by its shear; at that angle the torque of a body-fitted steady
+    computation is 0 and falls, by a fifth of its largest in each tenth of a radian."""
+    rows = turned(freefem_text, tmp_path / "pinned", f"bodyPinned(bodyEllipse({PLACE[0]}, {PLACE[1]}, {LONG}, {SHORT}, 0.6, 1));",
+        6).particles
     before, beyond = (torque(freefem_text, tmp_path / f"{angle}", angle) for angle in (1.5, 1.7))
     rest = 1.5 + 0.2 * before / (before - beyond)
     assert before > 0 > beyond and rest > np.pi / 2 + 0.02

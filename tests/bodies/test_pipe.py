@@ -122,7 +122,8 @@ def test_the_published_scheme_runs_the_same_case(tmp_path):
         for number, dt, end_time, mesh in ((0, 0.0015, 0.027, coarse), (2, 0.003, 0.045, coarser)):
             folder = tmp_path / f"{scheme}{number}"
             options = ["-scheme", scheme, "-number", number, "-dt", dt]
-            run_freefem(CASE, "-mesh", mesh, "-out", folder, "-tend", end_time, "-cfl", "0", "-first", "0", "-ramp", "0.02", *options)
+            run_freefem(CASE, "-mesh", mesh, "-out", folder, "-tend", end_time, "-cfl", "0", "-first", "0", "-ramp", "0.02",
+                *options)
             end[scheme, number] = read(folder, "fluid.csv")[-1]
         particles = read(tmp_path / f"{scheme}2", "particles.csv")
         assert np.isfinite(particles["x"]).all() and set(particles["id"]) == {0, 1}

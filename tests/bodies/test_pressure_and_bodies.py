@@ -8,7 +8,8 @@ from tests.tables import rows
 
 @pytest.mark.parametrize("way", ["rowsShare = 0", "rowsShare = 1; pressureFew = 0", "rowsShare = 1; pressureFew = 1"])
 def test_a_linear_pressure_goes_with_the_disks_that_moved(way, freefem_text):
-    """p = 2 x - y: its gradient is exact, so the vertices round a disk change by -d.grad p, the others not. And no wave grows that goes to and fro by 1.5 elements."""
+    """p = 2 x - y: its gradient is exact, so the vertices round a disk change by -d.grad p, the others not. And no wave grows that
+    goes to and fro by 1.5 elements."""
     disks, moved = [(0.3, 0.4, 0.127), (0.7, 0.65, 0.11)], [(0.01, -0.004), (-0.006, 0.003)]
     text = script(disks, more=f"""
 bodyMoved = [{moved[0][0]}, {moved[1][0]}, {moved[0][1]}, {moved[1][1]}, 0.3, -0.2];
@@ -81,7 +82,8 @@ include "lib/scheme/pressure_step.idp\"""")
 
 
 def test_a_body_that_holds_a_vertex_only_takes_no_lag_from_it(freefem_text):
-    """P2 functions of vertices have the integral 0, by rounding 1e-19: quotients of them sent disks off that left through an outlet."""
+    """P2 functions of vertices have the integral 0, by rounding 1e-19: quotients of them sent disks off that left through an
+    outlet."""
     bend = "[x + 0.013*sin(3*y + x), y + 0.011*cos(2*x + 5*y)]"
     at = [(a, b) for a in (3 / 16, 5 / 16, 9 / 16) for b in (4 / 16, 11 / 16)]
     tiny = [(float(a + 0.013 * np.sin(3 * b + a)), float(b + 0.011 * np.cos(2 * a + 5 * b)), 0.012) for a, b in at]

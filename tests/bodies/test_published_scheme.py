@@ -9,7 +9,8 @@ from tools.base.run_folder import RunFolder
 
 def test_published_scheme_starts_with_the_velocities_given(freefem, tmp_path):
     disks = particles(tmp_path, (5, 0.5, 2, 0.25, 2, 0, -5, 0))
-    freefem("cases/settling_disk.edp", "-particles", disks, "-scheme", "published", "-dt", "0.001", "-tend", "0.001", "-out", tmp_path / "run")
+    freefem("cases/settling_disk.edp", "-particles", disks, "-scheme", "published", "-dt", "0.001", "-tend", "0.001", "-out",
+        tmp_path / "run")
     table = RunFolder(tmp_path / "run").table("particles")
     # the fluid takes its share at once: two thirds are left of -5, and gravity adds 0.3
     assert table["v"][table["id"] == 5][-1] == pytest.approx(-5 * 2 / 3 - 0.3, rel=0.25)
@@ -17,7 +18,8 @@ def test_published_scheme_starts_with_the_velocities_given(freefem, tmp_path):
 
 def test_published_scheme_records_where_a_disk_is_at_the_time_of_the_row(freefem, shaft, tmp_path):
     disks = particles(tmp_path, (5, 0.5, 2, 0.25, 2, 0, -5, 0))
-    freefem("cases/settling_disk.edp", *shaft[:-1], 1, "-particles", disks, "-scheme", "published", "-dt", "0.002", "-tend", "0.003", "-out", tmp_path / "run")
+    freefem("cases/settling_disk.edp", *shaft[:-1], 1, "-particles", disks, "-scheme", "published", "-dt", "0.002", "-tend",
+        "0.003", "-out", tmp_path / "run")
     table = RunFolder(tmp_path / "run").table("particles")
     one = table["id"] == 5
     t, y = np.append(0, table["t"][one]), np.append(2, table["y"][one])
@@ -26,7 +28,8 @@ def test_published_scheme_records_where_a_disk_is_at_the_time_of_the_row(freefem
 
 def test_published_scheme_counts_no_contacts_of_disks_that_have_left(freefem, coarse, tmp_path):
     disks = particles(tmp_path, (5, 0.999, 0, 0.01, 5000, 6, 1, 0), (6, 0.999, 0.02001, 0.01, 5000, 6, -1, 0))
-    freefem("cases/pipe_obstacles.edp", "-mesh", coarse, "-number", "0", "-particles", disks, "-scheme", "published", "-dt", "0.007", "-convection", "0", "-every", "0", "-tend", "0.014",
+    freefem("cases/pipe_obstacles.edp", "-mesh", coarse, "-number", "0", "-particles", disks, "-scheme", "published", "-dt",
+        "0.007", "-convection", "0", "-every", "0", "-tend", "0.014",
             "-out", tmp_path / "run")
     fluid = RunFolder(tmp_path / "run").table("fluid")
     gone = fluid["particles"] == 0
@@ -37,7 +40,8 @@ def test_published_scheme_counts_no_contacts_of_disks_that_have_left(freefem, co
 def test_published_scheme_carries_a_disk_over_the_seam(freefem, cell, tmp_path):
     disks, found = particles(tmp_path, (5, 0.92, 0.75, 0.1, 1, 0.25, 0, 0)), {}
     for scheme in ("standard", "published"):
-        freefem("cases/couette_disk.edp", "-mesh", cell, "-particles", disks, "-reynolds", "0", "-scheme", scheme, "-dt", "0.02", "-tend", "0.8", "-out", tmp_path / scheme)
+        freefem("cases/couette_disk.edp", "-mesh", cell, "-particles", disks, "-reynolds", "0", "-scheme", scheme, "-dt", "0.02",
+            "-tend", "0.8", "-out", tmp_path / scheme)
         table = RunFolder(tmp_path / scheme).table("particles")
         beyond = (table["id"] == 5) & (table["x"] > 1)
         found[scheme] = {name: table[name][beyond].mean() for name in ("u", "omega")}
@@ -50,17 +54,21 @@ def test_published_scheme_carries_a_disk_over_the_seam(freefem, cell, tmp_path):
 def test_published_and_standard_scheme_agree_roughly(freefem, shaft, tmp_path):
     """First order in time and an element-wise interface on one side: a quarter is what to expect at 4 cells."""
     standard = particles_of(freefem, tmp_path / "standard", "settling_disk", *shaft, "-tend", "0.04", "-dt", "0.0025")
-    published = particles_of(freefem, tmp_path / "published", "settling_disk", *shaft, "-tend", "0.04", "-dt", "0.005", "-scheme", "published")
+    published = particles_of(freefem, tmp_path / "published", "settling_disk", *shaft, "-tend", "0.04", "-dt", "0.005", "-scheme",
+        "published")
     assert published["v"][-1] == pytest.approx(standard["v"][-1], rel=0.25)
 
 
 def test_the_published_scheme_turns_a_disk_in_shear_by_either_indicator(freefem_text, cell, tmp_path):
-    text = case("bodyDisk(0.5, 0.5, 0.2, 1);", walls="labelLeft, labelRight", moving="labelBottom, labelTop", more="macro boundaryU() (2*y - 1) // EOM", gravity=0)
+    text = case("bodyDisk(0.5, 0.5, 0.2, 1);", walls="labelLeft, labelRight", moving="labelBottom, labelTop",
+        more="macro boundaryU() (2*y - 1) // EOM", gravity=0)
     found = {}
     for kind in ("centre", "levelset"):
-        freefem_text(text, "-scheme", "published", "-mesh", cell, "-indicator", kind, "-convection", 0, "-dt", 0.02, "-every", 0, "-tend", 0.2, "-out", tmp_path / kind)
+        freefem_text(text, "-scheme", "published", "-mesh", cell, "-indicator", kind, "-convection", 0, "-dt", 0.02, "-every", 0,
+            "-tend", 0.2, "-out", tmp_path / kind)
         found[kind] = RunFolder(tmp_path / kind).particles
-    assert found["centre"]["omega"][-1] < -0.05 and found["levelset"]["omega"][-1] == pytest.approx(found["centre"]["omega"][-1], rel=0.2)
+    assert found["centre"]["omega"][-1] < -0.05 and found["levelset"]["omega"][-1] == pytest.approx(found["centre"]["omega"][-1],
+        rel=0.2)
     assert found["centre"]["theta"][-1] == pytest.approx(np.sum(found["centre"]["omega"]) * 0.02, rel=1e-6)
 
 
@@ -68,7 +76,8 @@ def test_the_published_scheme_turns_a_disk_in_shear_by_either_indicator(freefem_
 def test_the_published_scheme_lets_a_heavy_disk_fall_freely(kind, freefem_text, tmp_path):
     """Ten thousand times as dense as the fluid, which bears some 1e-4 of its weight; whatever the indicator makes of the edge."""
     text = case("bodyDisk(0.51, 0.72, 0.15, 1e4);", mu=0.001, gravity=-2)
-    freefem_text(text, "-scheme", "published", "-indicator", kind, "-convection", 0, "-dt", 0.02, "-every", 0, "-tend", 0.04, "-out", tmp_path / "run")
+    freefem_text(text, "-scheme", "published", "-indicator", kind, "-convection", 0, "-dt", 0.02, "-every", 0, "-tend", 0.04,
+        "-out", tmp_path / "run")
     rows = RunFolder(tmp_path / "run").particles
     steps = np.arange(1, 3)
     assert rows["v"] == pytest.approx(-2 * 0.02 * steps, rel=5e-3) and abs(rows["omega"]).max() < 5e-3

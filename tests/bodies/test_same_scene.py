@@ -9,7 +9,8 @@ from tools.meshing.medit import write
 from tools.meshing.plane_mesh import PlaneMesh
 
 # centre, semi-axes, angle, density over the fluid's
-BODIES = [(0.6, 1.5, 0.2, 0.2, 0, 1.2), (3.413, 0.7, 0.2, 0.2, 0, 0.9), (1.5, 1.03, 0.35, 0.2, 0.8, 1.5), (2.48, 1.5, 0.15, 0.15, 0, 3.0), (1.0, 0.41, 0.2, 0.2, 0, 5.0)]
+BODIES = [(0.6, 1.5, 0.2, 0.2, 0, 1.2), (3.413, 0.7, 0.2, 0.2, 0, 0.9), (1.5, 1.03, 0.35, 0.2, 0.8, 1.5), (2.48, 1.5, 0.15, 0.15,
+    0, 3.0), (1.0, 0.41, 0.2, 0.2, 0, 5.0)]
 
 
 def motion(channel, folder, turn=np.eye(2), origin=(0.0, 0.0), unit=1.0, second=1.0, density=1.0, slip=False):
@@ -24,13 +25,15 @@ def motion(channel, folder, turn=np.eye(2), origin=(0.0, 0.0), unit=1.0, second=
         bodies.append(f"    {'bodyEllipse' if long > short else 'bodyDisk'}({centre[0]:.17g}, {centre[1]:.17g}, {sizes}, {ratio * density:.17g});")
     (folder / "scene.edp").write_text(SCENE.format(
         dt=0.04 * second, end=1.6 * second, every=0.08 * second, ramp=0.2 * second, viscosity=0.02 / second,
-        unit=unit, density=density, gravity=turn @ (0, -1) * unit / second**2, stream=turn @ (2, 0) * unit / second, origin=origin, turn=turn, bodies="\n".join(bodies),
+        unit=unit, density=density, gravity=turn @ (0, -1) * unit / second**2, stream=turn @ (2, 0) * unit / second, origin=origin,
+            turn=turn, bodies="\n".join(bodies),
         walls="labelWall" if slip else "labelWall, labelTop", slip=" = [labelTop]" if slip else "(0)"))
     run_freefem(folder / "scene.edp", "-mesh", folder / "moved.mesh", "-out", folder / "run")
     rows = RunFolder(folder / "run").particles
     places = (np.column_stack([rows["x"], rows["y"]]) - origin) / unit @ turn
     speeds = np.column_stack([rows["u"], rows["v"]]) / unit * second @ turn
-    return np.column_stack([rows["t"] / second, rows["id"], places, speeds, rows["omega"] * second * (-1 if np.linalg.det(turn) < 0 else 1)])
+    return np.column_stack([rows["t"] / second, rows["id"], places, speeds, rows["omega"] * second * (-1
+        if np.linalg.det(turn) < 0 else 1)])
 
 
 @pytest.fixture(scope="module")
@@ -46,9 +49,12 @@ def as_it_is(channel, tmp_path_factory):
     return base
 
 
-# far away the places have fewer digits, and where points are looked up in turned meshes a few are lost; the solvers' tolerances do not matter, as the nodes keep their order
-MOVES = {"centimetres and grams": (dict(unit=100.0, density=1e-3), 1e-9), "thousandths of a second": (dict(second=1000.0), 1e-9), "far away": (dict(origin=(1000.0, -500.0)), 1e-6), "a quarter turn": (dict(turn=[[0, -1], [1, 0]]), 1e-8),
-         "a small turn": (dict(turn=turned(0.5)), 1e-8), "mirrored": (dict(turn=[[-1, 0], [0, 1]]), 1e-8), "upside down": (dict(turn=[[1, 0], [0, -1]]), 1e-8),
+# far away the places have fewer digits, and where points are looked up in turned meshes a few are lost; the solvers' tolerances do
+# not matter, as the nodes keep their order
+MOVES = {"centimetres and grams": (dict(unit=100.0, density=1e-3), 1e-9), "thousandths of a second": (dict(second=1000.0), 1e-9),
+    "far away": (dict(origin=(1000.0, -500.0)), 1e-6), "a quarter turn": (dict(turn=[[0, -1], [1, 0]]), 1e-8),
+         "a small turn": (dict(turn=turned(0.5)), 1e-8), "mirrored": (dict(turn=[[-1, 0], [0, 1]]), 1e-8),
+             "upside down": (dict(turn=[[1, 0], [0, -1]]), 1e-8),
          "a plane of symmetry, a quarter turn": (dict(turn=[[0, -1], [1, 0]], slip=True), 1e-8)}
 
 
@@ -80,11 +86,14 @@ include "scripts/resolved.edp"
 """
 
 
-def fall(freefem_text, folder, speed, dt, particles="bodyAdd(0.31, 0.42, 0.12, 1.5, {speed}, 0, 0, 1);", more="", weight=np.pi * 0.12**2 * 0.5, cells=32, viscosity=0.005, end=0.4, stabilise=0):
+def fall(freefem_text, folder, speed, dt, particles="bodyAdd(0.31, 0.42, 0.12, 1.5, {speed}, 0, 0, 1);", more="",
+    weight=np.pi * 0.12**2 * 0.5, cells=32, viscosity=0.005, end=0.4, stabilise=0):
     """The scene with a velocity given to all: run folder."""
     mesh = folder / "box.mesh"
-    text = f'savemesh(square({cells}, {cells}, flags = 3), "{mesh}");\n' + DRIFT.format(speed=speed, weight=weight, viscosity=viscosity, particles=particles.format(speed=speed), more=more.format(speed=speed))
-    freefem_text(text, "-mesh", mesh, "-dt", dt, "-cfl", 0, "-stabilise", stabilise, "-tolerance", 1e-7, "-every", 0.02, "-tend", end, "-forces", 1, "-out", folder / f"run_{speed}_{dt}")
+    text = f'savemesh(square({cells}, {cells}, flags = 3), "{mesh}");\n' + DRIFT.format(speed=speed, weight=weight,
+        viscosity=viscosity, particles=particles.format(speed=speed), more=more.format(speed=speed))
+    freefem_text(text, "-mesh", mesh, "-dt", dt, "-cfl", 0, "-stabilise", stabilise, "-tolerance", 1e-7, "-every", 0.02, "-tend",
+        end, "-forces", 1, "-out", folder / f"run_{speed}_{dt}")
     return RunFolder(folder / f"run_{speed}_{dt}")
 
 
@@ -102,21 +111,24 @@ def test_a_disk_falls_as_fast_in_a_fluid_that_goes_along(dt, freefem_text, tmp_p
 
 
 def test_small_steps_need_no_frames(freefem_text, tmp_path):
-    """Moves of 0.05 elements, c^2 dt/nu = 0.6, four elements across: with a frame it fell 6.4 % slower, as errors of interpolation add up; at fixed nodes 3.2 %."""
+    """Moves of 0.05 elements, c^2 dt/nu = 0.6, four elements across: with a frame it fell 6.4 % slower, as errors of interpolation
+    add up; at fixed nodes 3.2 %."""
     still, carried = (fall(freefem_text, tmp_path, c, 0.003125, cells=16).particles for c in (0, 1))
     assert carried["v"][-1] == pytest.approx(still["v"][-1], rel=0.04)
     assert abs(carried["u"] - 1).max() < 2e-3
 
 
 def test_the_stream_that_carries_a_disk_is_not_stabilised(freefem_text, tmp_path):
-    """Element Reynolds number of the stream 31, of the fall 2; moves of 1.3 elements. Stabilised by the velocity of the stream, it fell 5.7 % slower (unstabilised 1.4)."""
+    """Element Reynolds number of the stream 31, of the fall 2; moves of 1.3 elements. Stabilised by the velocity of the stream, it
+    fell 5.7 % slower (unstabilised 1.4)."""
     still, carried = (fall(freefem_text, tmp_path, c, 0.04, viscosity=0.001, stabilise=0.1).particles for c in (0, 1))
     assert carried["v"][-1] == pytest.approx(still["v"][-1], rel=0.025)
 
 
 @pytest.mark.parametrize("dt", [0.05, 0.1])
 def test_a_disk_falls_as_fast_across_a_stream(dt, freefem_text, tmp_path):
-    """Heavy, as fast as the stream: at fixed nodes it fell 9 and 16 % slower, went ahead of the stream by 8 and 10 % of its speed and turned by 12 and 17 %."""
+    """Heavy, as fast as the stream: at fixed nodes it fell 9 and 16 % slower, went ahead of the stream by 8 and 10 % of its speed
+    and turned by 12 and 17 %."""
     scene = dict(particles="bodyAdd(0.31, 0.42, 0.12, 3, {speed}, 0, 0, 1);", weight=np.pi * 0.12**2 * 2, viscosity=0.001, end=1.5)
     still, carried = (fall(freefem_text, tmp_path, c, dt, **scene).particles for c in (0, 0.4))
     v = still["v"][-1]
@@ -154,13 +166,17 @@ SEEN = """macro caseStep() {
 
 
 @pytest.mark.parametrize("others, taking", [
-    ("bodyAdd(0.8, 0.9, 0.12, 1.5, 1, 0, 0, 1); bodyAdd(0.6, 0.9, 0.025, 1.5, 1, 0, 0, 1); bodyAdd(0.81, 0.42, 0.02, 1.5, 1, 0, 0, 1);", [1, 1, 0, 0]),  # 1.6 and 1.3 across
-    ("bodyAdd(0.57, 0.42, 0.12, 1.5, 1, 0, 0, 1); bodyEllipse(0.81, 0.9, 0.12, 0.08, 0, 1.5);", [1, 1, 0]),  # one that goes through the fluid
+    # 1.6 and 1.3 across
+    ("bodyAdd(0.8, 0.9, 0.12, 1.5, 1, 0, 0, 1); bodyAdd(0.6, 0.9, 0.025, 1.5, 1, 0, 0, 1); bodyAdd(0.81, 0.42, 0.02, 1.5, 1, 0, "
+        "0, 1);", [1, 1, 0, 0]),
+    # one that goes through the fluid
+    ("bodyAdd(0.57, 0.42, 0.12, 1.5, 1, 0, 0, 1); bodyEllipse(0.81, 0.9, 0.12, 0.08, 0, 1.5);", [1, 1, 0]),
     ("bodyAdd(0.81, 0.42, 0.12, 1.5, 1, 0, 0, 1); bodyAspect[1] = 0.7;", [1, 1])])
 def test_resolved_bodies_that_go_along_have_frames(others, taking, freefem_text, tmp_path):
     mesh = tmp_path / "box.mesh"
     particles = "{ bodyAdd(0.31, 0.42, 0.12, 1.5, 1, 0, 0, 1); " + others + " }"
-    text = f'savemesh(square(32, 32, flags = 3), "{mesh}");\n' + DRIFT.format(speed=1, weight=0, viscosity=0.005, particles=particles, more=SEEN)
+    text = f'savemesh(square(32, 32, flags = 3), "{mesh}");\n' + DRIFT.format(speed=1, weight=0, viscosity=0.005,
+        particles=particles, more=SEEN)
     text = standard_alone(text)
     done = freefem_text(text, "-mesh", mesh, "-dt", 0.01, "-cfl", 0, "-tend", 0.05, "-out", tmp_path / "run")
     rows = [line.split()[1:] for line in done.stdout.splitlines() if line.startswith("seen")]
@@ -169,16 +185,21 @@ def test_resolved_bodies_that_go_along_have_frames(others, taking, freefem_text,
 
 # particles and the weight that holds the stream; 8 elements across the disks
 CLUSTERS = {
-    "in a row, three elements apart": ("{{ bodyAdd(0.31, 0.42, 0.12, 1.8, {speed}, 0, 0, 1); bodyAdd(0.64, 0.42, 0.12, 1.2, {speed}, 0, 0, 1); }}", 0.12**2),
-    "in a row, one and a half": ("{{ bodyAdd(0.31, 0.42, 0.12, 1.8, {speed}, 0, 0, 1); bodyAdd(0.597, 0.42, 0.12, 1.2, {speed}, 0, 0, 1); }}", 0.12**2),
-    "aslant": ("{{ bodyAdd(0.31, 0.72, 0.12, 1.5, {speed}, 0, 0, 1); bodyAdd(0.53, 0.53, 0.12, 1.5, {speed}, 0, 0, 1); }}", 0.12**2),
-    "a disk and an ellipse": ("{{ bodyAdd(0.31, 0.72, 0.1, 1.8, {speed}, 0, 0, 1); bodyAdd(0.54, 0.6, 0.12, 1.2, {speed}, 0, 0, 1); bodyAspect[1] = 0.6; bodyTheta[1] = 0.6; }}", 0.01 * 0.8 + 0.12**2 * 0.6 * 0.2)}
+    "in a row, three elements apart": ("{{ bodyAdd(0.31, 0.42, 0.12, 1.8, {speed}, 0, 0, 1); bodyAdd(0.64, 0.42, 0.12, 1.2, "
+        "{speed}, 0, 0, 1); }}", 0.12**2),
+    "in a row, one and a half": ("{{ bodyAdd(0.31, 0.42, 0.12, 1.8, {speed}, 0, 0, 1); bodyAdd(0.597, 0.42, 0.12, 1.2, {speed}, "
+        "0, 0, 1); }}", 0.12**2),
+    "aslant": ("{{ bodyAdd(0.31, 0.72, 0.12, 1.5, {speed}, 0, 0, 1); bodyAdd(0.53, 0.53, 0.12, 1.5, {speed}, 0, 0, 1); }}",
+        0.12**2),
+    "a disk and an ellipse": ("{{ bodyAdd(0.31, 0.72, 0.1, 1.8, {speed}, 0, 0, 1); bodyAdd(0.54, 0.6, 0.12, 1.2, {speed}, 0, 0, "
+        "1); bodyAspect[1] = 0.6; bodyTheta[1] = 0.6; }}", 0.01 * 0.8 + 0.12**2 * 0.6 * 0.2)}
 
 
 @pytest.mark.parametrize("cluster", CLUSTERS)
 @pytest.mark.parametrize("dt", [0.01, 0.02])
 def test_bodies_near_each_other_fall_as_fast_in_a_fluid_that_goes_along(cluster, dt, freefem_text, tmp_path):
-    """Moves of 0.64 and 1.28 elements. At fixed nodes the quicker one fell 4 to 13 % slower at 0.64; with the loss of each window taken for what
+    """Moves of 0.64 and 1.28 elements. At fixed nodes the quicker one fell 4 to 13 % slower at 0.64; with the loss of each window
+    taken for what
     frames bring to its body, 30 %, and a sixth of the momentum came from nowhere."""
     particles, weight = CLUSTERS[cluster]
     still, carried = (fall(freefem_text, tmp_path, c, dt, particles, weight=np.pi * weight).particles for c in (0, 2))
@@ -190,9 +211,11 @@ def test_bodies_near_each_other_fall_as_fast_in_a_fluid_that_goes_along(cluster,
 
 @pytest.mark.parametrize("aspect", [0.5, 0.8])
 def test_an_ellipse_falls_as_fast_in_a_fluid_that_goes_along(aspect, freefem_text, tmp_path):
-    """Moves of 0.96 elements. At fixed nodes it fell 16 % slower; with a frame that knew nothing of the shortest waves of grad psi it ran away."""
+    """Moves of 0.96 elements. At fixed nodes it fell 16 % slower; with a frame that knew nothing of the shortest waves of grad psi
+    it ran away."""
     particle = "{{ bodyAdd(0.31, 0.42, 0.14, 1.8, {speed}, 0, 0, 1); " + f"bodyAspect[0] = {aspect}; bodyTheta[0] = 0.6; }}}}"
-    still, carried = (fall(freefem_text, tmp_path, c, 0.008, particle, weight=np.pi * 0.14**2 * aspect * 0.8, cells=40).particles for c in (0, 3))
+    still, carried = (fall(freefem_text, tmp_path, c, 0.008, particle, weight=np.pi * 0.14**2 * aspect * 0.8, cells=40).particles
+        for c in (0, 3))
     assert abs(still["v"][-1]) > 0.04
     assert abs(carried["u"] - 3 - still["u"]).max() + abs(carried["v"] - still["v"]).max() < 0.02 * abs(still["v"][-1])
 
@@ -206,11 +229,14 @@ macro boundaryV() x // EOM
 macro caseStart() { Wh alongX = -y, alongY = x; flowU = alongX[]; flowV = alongY[]; } // EOM"""
 
 
-@pytest.mark.parametrize("bodies", ["bodyAdd(0.45, 0.1, 0.2, 1, -0.1, 0.45, 1, 1);", "bodyAdd(0.45, 0.1, 0.2, 1, -0.1, 0.45, 1, 1); bodyAdd(-0.45, -0.1, 0.2, 1, 0.1, -0.45, 1, 1);"])
+@pytest.mark.parametrize("bodies", ["bodyAdd(0.45, 0.1, 0.2, 1, -0.1, 0.45, 1, 1);", "bodyAdd(0.45, 0.1, 0.2, 1, -0.1, 0.45, 1, "
+    "1); bodyAdd(-0.45, -0.1, 0.2, 1, 0.1, -0.45, 1, 1);"])
 def test_disks_keep_their_place_in_fluid_that_turns_as_a_whole(bodies, freefem_text, tmp_path):
-    """Of its density, four elements across, half a turn. What frames lose at the nodes of elements in which a window ends was left out: they went inwards by 2 % of their distance from the axis."""
+    """Of its density, four elements across, half a turn. What frames lose at the nodes of elements in which a window ends was left
+    out: they went inwards by 2 % of their distance from the axis."""
     text = DRUM.format(file=tmp_path / "drum.mesh") + case(bodies, walls="", moving="labelWall", more=TURNS, mu=0.01, gravity=0)
-    freefem_text(text, "-mesh", tmp_path / "drum.mesh", "-dt", 0.02, "-cfl", 0, "-every", 0.1, "-tend", np.pi, "-out", tmp_path / "run")
+    freefem_text(text, "-mesh", tmp_path / "drum.mesh", "-dt", 0.02, "-cfl", 0, "-every", 0.1, "-tend", np.pi, "-out",
+        tmp_path / "run")
     rows = RunFolder(tmp_path / "run").particles
     place = rows["x"] + 1j * rows["y"]
     assert abs(abs(place) / np.hypot(0.45, 0.1) - 1).max() < 0.01
@@ -220,7 +246,8 @@ def test_disks_keep_their_place_in_fluid_that_turns_as_a_whole(bodies, freefem_t
 def test_frames_are_stable_with_little_viscosity(freefem_text, tmp_path):
     """c^2 dt/nu = 72, moves of 0.96 elements: the flow round the disk grew by 1.6 a step."""
     particle = "bodyAdd(0.31, 0.42, 0.14, 1.8, {speed}, 0, 0, 1);"
-    still, carried = (fall(freefem_text, tmp_path, c, 0.008, particle, weight=np.pi * 0.14**2 * 0.8, cells=40, viscosity=0.001, end=0.24).particles for c in (0, 3))
+    still, carried = (fall(freefem_text, tmp_path, c, 0.008, particle, weight=np.pi * 0.14**2 * 0.8, cells=40, viscosity=0.001,
+        end=0.24).particles for c in (0, 3))
     assert carried["v"][-1] == pytest.approx(still["v"][-1], rel=0.02)
     assert abs(carried["u"] - 3).max() < 1e-3
 
@@ -229,7 +256,8 @@ def test_frames_forget_bodies_that_have_left(channel, freefem_text, tmp_path):
     """What is kept of the last body was taken for that of the next one, however late it came."""
     write(PlaneMesh(channel.points, channel.triangles, channel.edges, channel.labels), tmp_path / "channel.mesh")
     more = 'macro caseStep() cout << "kept " << bodyNumber << " " << frameHeld << " " << frameGhostU.linfty + frameGhostU1.linfty << endl; // EOM\n'
-    text = SCENE.format(dt=0.04, end=1.2, every=0.08, ramp=0.2, viscosity=0.02, unit=1.0, density=1.0, gravity=(0, -0.1), stream=(2, 0), origin=(0, 0), turn=np.eye(2),
+    text = SCENE.format(dt=0.04, end=1.2, every=0.08, ramp=0.2, viscosity=0.02, unit=1.0, density=1.0, gravity=(0, -0.1),
+        stream=(2, 0), origin=(0, 0), turn=np.eye(2),
                         bodies="    bodyDisk(3, 1, 0.2, 1.5);", walls="labelWall, labelTop", slip="(0)")
     done = freefem_text(standard_alone(more + text), "-mesh", tmp_path / "channel.mesh", "-out", tmp_path / "run")
     rows = np.array([line.split()[1:] for line in done.stdout.splitlines() if line.startswith("kept")], float)
@@ -238,7 +266,8 @@ def test_frames_forget_bodies_that_have_left(channel, freefem_text, tmp_path):
 
 
 def test_who_counts_as_near_in_an_impact_does_not_hang_on_the_axes(freefem_text, tmp_path):
-    """One disk is thrown at another beside a third, in a box that is turned; how far off neighbours were asked went by the jumps along x and y."""
+    """One disk is thrown at another beside a third, in a box that is turned; how far off neighbours were asked went by the jumps
+    along x and y."""
     found = []
     for angle in (0, 45):
         c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))

@@ -1,4 +1,5 @@
-"""One scene in other units, turned or mirrored, in tables of every kind: forces, walls, fluxes, who enters and leaves, contacts, budgets; and a periodic one counted from another side."""
+"""One scene in other units, turned or mirrored, in tables of every kind: forces, walls, fluxes, who enters and leaves, contacts,
+budgets; and a periodic one counted from another side."""
 import numpy as np
 import pytest
 
@@ -7,8 +8,10 @@ from tests.scenes import SCENE, turned, write_moved
 from tools.base.run_folder import RunFolder
 
 # what the case calls, centre, semi-axes, angle, density over the fluid's, due at
-BODIES = [("body", 0.6, 1.5, 0.2, 0.2, 0, 1.2, 0), ("body", 3.413, 0.7, 0.2, 0.2, 0, 0.9, 0), ("bodyPinned", 1.5, 1.03, 0.35, 0.2, 0.8, 1.5, 0), ("body", 2.48, 1.5, 0.15, 0.15, 0, 3.0, 0),
-          ("bodyHeld", 2.2, 0.45, 0.2, 0.15, -0.6, 1, 0), ("queue", 0.7, 0.5, 0.25, 0.16, 0.4, 2.0, 0.3), ("queue", 0.65, 1.2, 0.2, 0.2, 0, 1.5, 0.5)]
+BODIES = [("body", 0.6, 1.5, 0.2, 0.2, 0, 1.2, 0), ("body", 3.413, 0.7, 0.2, 0.2, 0, 0.9, 0), ("bodyPinned", 1.5, 1.03, 0.35, 0.2,
+    0.8, 1.5, 0), ("body", 2.48, 1.5, 0.15, 0.15, 0, 3.0, 0),
+          ("bodyHeld", 2.2, 0.45, 0.2, 0.15, -0.6, 1, 0), ("queue", 0.7, 0.5, 0.25, 0.16, 0.4, 2.0, 0.3), ("queue", 0.65, 1.2, 0.2,
+              0.2, 0, 1.5, 0.5)]
 LIKE = {"body": "body", "bodyPinned": "body", "bodyHeld": "body", "queue": "queue"}
 
 
@@ -27,15 +30,19 @@ def tables(channel, folder, turn=np.eye(2), unit=1.0, second=1.0, density=1.0): 
         bodies.append(f"    {made};" if how in ("body", "queue") else f"    {how}({made});")
     (folder / "scene.edp").write_text(SCENE.format(
         dt=0.04 * second, end=1.6 * second, every=0.08 * second, ramp=0.2 * second, viscosity=0.02 / second,
-        unit=unit, density=density, gravity=turn @ (0, -1) * unit / second**2, stream=turn @ (2, 0) * unit / second, origin=(0, 0), turn=turn, bodies="\n".join(bodies),
+        unit=unit, density=density, gravity=turn @ (0, -1) * unit / second**2, stream=turn @ (2, 0) * unit / second, origin=(0, 0),
+            turn=turn, bodies="\n".join(bodies),
         walls="labelWall, labelTop", slip="(0)"))
-    run_freefem(folder / "scene.edp", "-mesh", folder / "moved.mesh", "-forces", 1, "-wallforces", 1, "-fluxes", 1, "-out", folder / "run")
+    run_freefem(folder / "scene.edp", "-mesh", folder / "moved.mesh", "-forces", 1, "-wallforces", 1, "-fluxes", 1, "-out",
+        folder / "run")
     return plain(RunFolder(folder / "run"), turn, sense, unit, second, density)
 
 
-# units of the columns by powers of length, time, mass (per metre of depth); (x, y): vectors, the others scalars, those that turn with a sign
+# units of the columns by powers of length, time, mass (per metre of depth); (x, y): vectors, the others scalars, those that turn
+# with a sign
 VECTORS = {("x", "y"): (1, 0, 0), ("u", "v"): (1, -1, 0), ("fx", "fy"): (1, -2, 1), ("nx", "ny"): (0, 0, 0)}
-SCALARS = {"t": (0, 1, 0), "omega": (0, -1, 0), "torque": (2, -2, 1), "flux": (2, -1, 0), "radius": (1, 0, 0), "impulse": (1, -1, 1), "kinetic_energy": (2, -2, 1), "pressure_drop": (0, -2, 1),
+SCALARS = {"t": (0, 1, 0), "omega": (0, -1, 0), "torque": (2, -2, 1), "flux": (2, -1, 0), "radius": (1, 0, 0),
+    "impulse": (1, -1, 1), "kinetic_energy": (2, -2, 1), "pressure_drop": (0, -2, 1),
            "top_speed": (1, -1, 0), "flux_in": (2, -1, 0), "flux_out": (2, -1, 0), "dt": (0, 1, 0), "divergence": (1, -1, 0)}
 TABLES = ("particles", "forces", "wallforces", "fluxes", "entries", "exits", "contacts", "fluid")
 SAME = ("id", "label", "i", "j", "particles", "contacts", "iterations", "unresolved", "major", "minor")
@@ -80,13 +87,15 @@ def as_it_is(channel, tmp_path_factory):  # noqa: F811
     return tables(channel, tmp_path_factory.mktemp("base") / "run")
 
 
-MOVES = {"centimetres, grams and milliseconds": dict(unit=100.0, density=1e-3, second=1000.0), "a quarter turn": dict(turn=[[0, -1], [1, 0]]), "mirrored": dict(turn=[[-1, 0], [0, 1]]),
+MOVES = {"centimetres, grams and milliseconds": dict(unit=100.0, density=1e-3, second=1000.0),
+    "a quarter turn": dict(turn=[[0, -1], [1, 0]]), "mirrored": dict(turn=[[-1, 0], [0, 1]]),
          "a turn of 0.4 rad": dict(turn=turned(0.4))}
 
 
 @pytest.mark.parametrize("move", MOVES)
 def test_the_tables_do_not_hang_on_units_and_axes(move, as_it_is, channel, tmp_path):  # noqa: F811
-    """With bodies held, pinned, waiting, that touch, leave: rounding is 1e-10 to 1e-9. A waiting disk's spin was that of points along the axes, 2e-4 off where they do not turn by 30 degrees."""
+    """With bodies held, pinned, waiting, that touch, leave: rounding is 1e-10 to 1e-9. A waiting disk's spin was that of points
+    along the axes, 2e-4 off where they do not turn by 30 degrees."""
     assert set(as_it_is["entries"]["id"]) == set(range(7)) and len(as_it_is["exits"]["t"]) == 2
     assert_same(tables(channel, tmp_path / "moved", **MOVES[move]), as_it_is, 1e-8)
 
@@ -117,11 +126,13 @@ def shifted(folder, by):
     folder.mkdir()
     at = [f"{x:.17g}, {y:.17g}" for x, y in (PLACES + by) % 1]
     (folder / "scene.edp").write_text(PERIODIC.format(file=folder / "square.mesh", by=by, at=at))
-    run_freefem(folder / "scene.edp", "-mesh", folder / "square.mesh", "-dt", 0.01, "-tend", 0.4, "-every", 0.02, "-tolerance", 1e-10, "-forces", 1, "-fluxes", 1, "-out", folder / "run")
+    run_freefem(folder / "scene.edp", "-mesh", folder / "square.mesh", "-dt", 0.01, "-tend", 0.4, "-every", 0.02, "-tolerance",
+        1e-10, "-forces", 1, "-fluxes", 1, "-out", folder / "run")
     run = RunFolder(folder / "run")
     found = {name: dict(run.table(name).items()) for name in ("particles", "forces", "entries", "contacts")}
     for name in ("particles", "entries"):
-        found[name]["x"], found[name]["y"] = np.exp(2j * np.pi * (run.table(name)["x"] - by[0])), np.exp(2j * np.pi * (run.table(name)["y"] - by[1]))
+        found[name]["x"], found[name]["y"] = np.exp(2j * np.pi * (run.table(name)["x"] - by[0])), np.exp(2j * np.pi
+            * (run.table(name)["y"] - by[1]))
     return found
 
 

@@ -1,4 +1,5 @@
-"""Sudden accelerations (lib/scheme/sudden_acceleration.idp): which are found, and what is remembered of them, against NumPy and over a restart."""
+"""Sudden accelerations (lib/scheme/sudden_acceleration.idp): which are found, and what is remembered of them, against NumPy and
+over a restart."""
 import numpy as np
 import pytest
 
@@ -62,10 +63,12 @@ include "lib/scheme/sudden_acceleration.idp"
 
 def drawn(freefem_text, tmp_path, loads):
     """What the scene has throughout, and in each of the trials (dicts)."""
-    text = case(BODIES, walls="", slip="labelTop, labelLeft", moving="labelBottom", outlet="labelRight", gravity=-9, more="macro boundaryV() (x*(1 - x)) // EOM\n" + ("macro caseLoads(now) bodyPush(0, 0, 0, 0); // EOM" if loads else ""))
+    text = case(BODIES, walls="", slip="labelTop, labelLeft", moving="labelBottom", outlet="labelRight", gravity=-9,
+        more="macro boundaryV() (x*(1 - x)) // EOM\n" + ("macro caseLoads(now) bodyPush(0, 0, 0, 0); // EOM" if loads else ""))
     driver = standard_alone(text).split('if (scheme == "standard") {')[0]
     box = f'int[int] sides = [13, 12, 14, 11];\nsavemesh(square(5, 5, label = sides), "{tmp_path / "box.mesh"}");\n'
-    freefem_text(box + driver + RUN.format(look=LOOK, file=tmp_path / "told", trials=TRIALS), "-mesh", tmp_path / "box.mesh", "-out", tmp_path / "run")
+    freefem_text(box + driver + RUN.format(look=LOOK, file=tmp_path / "told", trials=TRIALS), "-mesh", tmp_path / "box.mesh",
+        "-out", tmp_path / "run")
     scene, trials = {}, []
     for line in (tmp_path / "told").read_text().splitlines():
         name, *values = line.split()
@@ -114,7 +117,8 @@ def test_the_accelerations_that_are_sudden_are_those_that_numpy_finds(loads, fre
         np.testing.assert_allclose(one["rate"], rate * np.tile(due, 3), rtol=1e-10, atol=1e-10)
         np.testing.assert_allclose(one["force"], force * np.tile(due, 3), rtol=1e-10, atol=1e-12)
         wanted, far, top = [], [], 0
-        for now, before, data, held in ((one["u"], one["u1"], one["dataU"], scene["freeU"]), (one["v"], one["v1"], one["dataV"], scene["freeV"])):
+        for now, before, data, held in ((one["u"], one["u1"], one["dataU"], scene["freeU"]), (one["v"], one["v1"], one["dataV"],
+            scene["freeV"])):
             at = scene["freeU"] * scene["freeV"] == 0
             wanted.append(((ramp * data - now) / dt * (1 - held))[at])
             far.append(((now - before) / dt1 * (1 - held))[at])
@@ -137,17 +141,22 @@ def test_the_accelerations_that_are_sudden_are_those_that_numpy_finds(loads, fre
     assert min(met.values()) > 2, met
 
 
-# a body is sped up until the checkpoint and not after it; a stream that overtakes one begins in the step after it, while the criterion of the frames rests
-KEPT = {"a motion that ends": (dict(particles="bodyHeld(bodyDisk(0.4, 0.5, 0.15, 1));", more="macro caseMotion(now) if (now < 0.105) givenMotion(0, 3*(now), 0, 0); // EOM"), 0.14, 10),
-        "a stream that begins": (dict(particles="bodyAdd(0.3, 0.5, 0.1, 1, 1, 0, 0, 0);", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight",
-                                      more="macro boundaryU() (4*y*(1 - y)) // EOM\nmacro caseBoundary(now) inflowScale(labelLeft, ((now) < 0.125 ? 0.01 : 2.)); // EOM"), 0.16, 12)}
+# a body is sped up until the checkpoint and not after it; a stream that overtakes one begins in the step after it, while the
+# criterion of the frames rests
+KEPT = {"a motion that ends": (dict(particles="bodyHeld(bodyDisk(0.4, 0.5, 0.15, 1));", more="macro caseMotion(now) if (now < "
+    "0.105) givenMotion(0, 3*(now), 0, 0); // EOM"), 0.14, 10),
+        "a stream that begins": (dict(particles="bodyAdd(0.3, 0.5, 0.1, 1, 1, 0, 0, 0);", walls="labelBottom, labelTop",
+            moving="labelLeft", outlet="labelRight",
+                                      more="macro boundaryU() (4*y*(1 - y)) // EOM\nmacro caseBoundary(now) "
+                                          "inflowScale(labelLeft, ((now) < 0.125 ? 0.01 : 2.)); // EOM"), 0.16, 12)}
 
 
 @pytest.mark.parametrize("name", KEPT)
 def test_what_is_remembered_of_the_step_before_a_checkpoint_is_in_it(name, tmp_path):
     scene, end, keep = KEPT[name]
     (tmp_path / "scene.edp").write_text(case(gravity=0, **scene))
-    whole, broken = broken_off([tmp_path / "scene.edp", "-cfl", "0", "-tend", end, "-every", "0", "-forces", "1", "-checkpoint", keep], tmp_path, keep)
+    whole, broken = broken_off([tmp_path / "scene.edp", "-cfl", "0", "-tend", end, "-every", "0", "-forces", "1", "-checkpoint",
+        keep], tmp_path, keep)
     given, idle = (int((whole / f"restart_{keep:09d}.scheme").read_text().split()[k]) for k in (3, 6))
     assert given if "motion" in name else idle
     for table in ("particles", "forces"):

@@ -7,7 +7,8 @@ from tools.base.tables import read_table
 
 
 def test_an_ellipse_turns_as_jeffery_says(freefem, coarse_shear, tmp_path):
-    freefem("cases/ellipse_in_shear.edp", "-mesh", coarse_shear, "-major", 0.05, "-reynolds", 0.2, "-dt", 0.02, "-tend", 2, "-out", tmp_path / "run")
+    freefem("cases/ellipse_in_shear.edp", "-mesh", coarse_shear, "-major", 0.05, "-reynolds", 0.2, "-dt", 0.02, "-tend", 2, "-out",
+        tmp_path / "run")
     table = read_table(tmp_path / "run" / "particles.csv")
     late = table["t"] > 0.3  # it starts at rest
     exact = -(4 * np.sin(table["theta"]) ** 2 + np.cos(table["theta"]) ** 2) / 5
@@ -24,7 +25,8 @@ def coarse_shear(tmp_path_factory):
 
 @pytest.mark.parametrize("across, reach, centre", [(4, 4.0, (0.5, 0.5)), (6, 5.0, (0.0, 0.0)), (3, 5.0, (0.5, 0.5))])
 def test_a_disk_turns_with_a_slow_shear_flow_at_long_steps(freefem, run_folder, across, reach, centre):
-    """nu dt/h^2 = 4 and 5: half the shear rate, less what the plates take off, at every step. (With rates extrapolated in full these disks turned with swings
+    """nu dt/h^2 = 4 and 5: half the shear rate, less what the plates take off, at every step. (With rates extrapolated in full
+    these disks turned with swings
     up to 17, 1 and 15 times the shear rate, of the other sign at each step.)"""
     size = 0.05
     where = [0.5 + size * c for c in centre]

@@ -5,37 +5,16 @@ from scipy.optimize import minimize
 from scipy.spatial import cKDTree
 
 from tests.conftest import make_mesh
-from tests.scenes import case
+from tests.scenes import ELLIPSES as SCENE, MEASURE_ELLIPSES as MEASURE, PROJECT_ELLIPSES as PROJECT, case
 from tests.tables import outline, rows
 from tools.base.run_folder import RunFolder
 
 # x, y, angle, semi-major axis, minor over major
-BODIES = [(0.0, 0.0, 0.4, 1.0, 0.4), (1.5, 0.9, -0.7, 0.8, 0.5), (-1.1, 1.3, 1.9, 0.9, 0.3), (0.6, -1.3, 0.0, 0.5, 1.0), (-1.6, -0.7, 2.6, 0.7, 0.15)]
+BODIES = [(0.0, 0.0, 0.4, 1.0, 0.4), (1.5, 0.9, -0.7, 0.8, 0.5), (-1.1, 1.3, 1.9, 0.9, 0.3), (0.6, -1.3, 0.0, 0.5, 1.0),
+    (-1.6, -0.7, 2.6, 0.7, 0.15)]
 WALLS = [(-3.0, -2.0, 3.0, -2.0), (2.3, 0.2, 3.0, 2.0), (-0.1, 2.3, 0.2, 3.0)]
 MASS, MOMENT = [1.0, 2.0, 1.5, -1.0, 0.7], [0.3, 0.5, 0.35, 1.0, 0.1]
 SPEED = [(0.5, 0.2, 1.0), (-1.0, -0.8, -2.0), (1.0, -1.5, 0.5), (0.0, 0.3, 0.0), (1.0, 0.5, -3.0)]
-SCENE = """
-include "lib/contact/ellipse_project.idp"
-optCase("contacts", "ellipses");
-contactDeclare();
-optEnd();
-real[int] px = X, py = Y, turn = TURN, r = RADIUS, aspect = ASPECT, mass = MASS, moment = MOMENT, u = U, v = V, w = W;
-int[int] id = 0:px.n - 1;
-WALLS
-contactPeriodic(0, -5, PERIOD, 0);
-cout.precision(17);
-"""
-MEASURE = """
-contactUpdate(px, py, r, id, 10.);
-contactEllipseMeasure(px, py, turn, r, aspect);
-for (int k = 0; k < contactN; ++k) cout << "gap " << contactI[k] << " " << contactJ[k] << " " << contactEllipseGap[k] << " " << contactEllipseEx[k] << " " << contactEllipseEy[k] << " " << contactEllipseArmI[k] << " " << contactEllipseArmJ[k] << endl;
-"""
-PROJECT = """
-contactEllipseProject(px, py, turn, r, aspect, id, mass, moment, u, v, w, DT);
-for (int k = 0; k < px.n; ++k) cout << "speed " << u[k] << " " << v[k] << " " << w[k] << endl;
-for (int k = 0; k < contactN; ++k) cout << "press " << contactI[k] << " " << contactJ[k] << " " << contactImpulse[k] << endl;
-cout << "worst " << contactWorstGap << endl << "passes " << contactIterations << endl;
-"""
 
 
 def scene(bodies=BODIES, walls=WALLS, mass=MASS, moment=MOMENT, speed=SPEED, period=0.0, more=""):
@@ -104,7 +83,8 @@ def test_slender_ellipses_at_all_angles_have_their_gap(freefem_text):
     for _ in range(3):
         bodies = []
         for k in range(12):
-            bodies.append((2.3 * (k % 4), 2.3 * (k // 4), float(kinds.uniform(0, 2 * np.pi)), 1.0, float(kinds.choice([0.05, 0.2, 1.0]))))
+            bodies.append((2.3 * (k % 4), 2.3 * (k // 4), float(kinds.uniform(0, 2 * np.pi)), 1.0,
+                float(kinds.choice([0.05, 0.2, 1.0]))))
         number = len(bodies)
         text = scene(bodies, [], [1.0] * number, [1.0] * number, [(0, 0, 0)] * number, more=MEASURE)
         angles = np.linspace(0, 2 * np.pi, 3001)
@@ -117,19 +97,24 @@ def test_slender_ellipses_at_all_angles_have_their_gap(freefem_text):
 
 @pytest.mark.parametrize("aspect", [0.3, 0.6])
 def test_ellipses_anywhere_round_a_wall_have_their_gap(freefem_text, aspect):
-    """Also those whose line cuts them beyond its end: the largest s(n) over all directions, of the segment's own support function."""
+    """Also those whose line cuts them beyond its end: the largest s(n) over all directions, of the segment's own support
+    function."""
     places, number = np.random.default_rng(5), 300
-    bodies = [(20.0 * k + places.uniform(-0.5, 1.5), places.uniform(-0.4, 0.4), places.uniform(-3, 3), 0.4, aspect) for k in range(number)]
+    bodies = [(20.0 * k + places.uniform(-0.5, 1.5), places.uniform(-0.4, 0.4), places.uniform(-3, 3), 0.4, aspect)
+        for k in range(number)]
     walls = [(20.0 * k, 0.0, 20.0 * k + 1, 0.0) for k in range(number)]
-    found = rows(freefem_text(scene(bodies, walls, [1.0] * number, [1.0] * number, [(0, 0, 0)] * number, more=MEASURE.replace("10.", "1."))).stdout, "gap")
+    found = rows(freefem_text(scene(bodies, walls, [1.0] * number, [1.0] * number, [(0, 0, 0)] * number,
+        more=MEASURE.replace("10.", "1."))).stdout, "gap")
     to, apart_ones = np.linspace(0, 2 * np.pi, 20001), 0
     for i, _, gap, ex, ey, *_ in found:
         x, y, turn, a, _ = bodies[int(i)]
-        s = np.cos(to) * (x - 20 * i) + np.sin(to) * y - a * np.hypot(np.cos(to - turn), aspect * np.sin(to - turn)) - np.maximum(0, np.cos(to))
+        s = np.cos(to) * (x - 20 * i) + np.sin(to) * y - a * np.hypot(np.cos(to - turn),
+            aspect * np.sin(to - turn)) - np.maximum(0, np.cos(to))
         best = int(s.argmax())
         if s[best] > 1e-3:
             apart_ones += 1
-            assert gap == pytest.approx(s[best], abs=1e-6) and (ex, ey) == pytest.approx((np.cos(to[best]), np.sin(to[best])), abs=5e-3)
+            assert gap == pytest.approx(s[best], abs=1e-6) and (ex, ey) == pytest.approx((np.cos(to[best]), np.sin(to[best])),
+                abs=5e-3)
     assert apart_ones > 80
 
 
@@ -137,7 +122,8 @@ def test_over_a_seam_the_nearest_image_counts(freefem_text):
     bodies = [(0.3, 0.0, 0.4, 0.5, 0.4), (7.6, 0.2, 1.0, 0.6, 0.5)]
     found = rows(freefem_text(scene(bodies, [], [1, 1], [1, 1], [(0, 0, 0)] * 2, 8.0, MEASURE.replace("10.", "0.5"))).stdout, "gap")
     distance, direction = apart(edge((8.3, *bodies[0][1:])), edge(bodies[1]))
-    assert len(found) == 1 and found[0, 2] == pytest.approx(distance, abs=1e-8) and found[0, 3] == pytest.approx(direction[0], abs=1e-4)
+    assert len(found) == 1 and found[0, 2] == pytest.approx(distance, abs=1e-8) and found[0, 3] == pytest.approx(direction[0],
+        abs=1e-4)
 
 
 def weights(free, aside):
@@ -164,8 +150,10 @@ def nearest_motion(gaps, about, dt, aside):
 
     def room(x):
         change = dt * (whole(x) - about)
-        return [gap + change[int(i)] @ [ex, ey, arm_i] + (change[int(j)] @ [-ex, -ey, arm_j] if j >= 0 else 0) for i, j, gap, ex, ey, arm_i, arm_j in gaps]
-    best = minimize(lambda x: 0.5 * (x - given) @ weight @ (x - given), given, jac=lambda x: weight @ (x - given), constraints={"type": "ineq", "fun": room},
+        return [gap + change[int(i)] @ [ex, ey, arm_i] + (change[int(j)] @ [-ex, -ey, arm_j] if j >= 0 else 0) for i, j, gap, ex,
+            ey, arm_i, arm_j in gaps]
+    best = minimize(lambda x: 0.5 * (x - given) @ weight @ (x - given), given, jac=lambda x: weight @ (x - given),
+        constraints={"type": "ineq", "fun": room},
                     method="SLSQP", options={"ftol": 1e-15, "maxiter": 1000})
     assert best.success
     return whole(best.x)
@@ -174,7 +162,8 @@ def nearest_motion(gaps, about, dt, aside):
 @pytest.mark.parametrize("aside", [[1.0] * 5, [4.0, 2.5, 3.0, 1.0, 6.0]])
 @pytest.mark.parametrize("dt, pressing", [(0.25, 1), (0.35, 2), (0.5, 2)])
 def test_the_projection_is_the_nearest_motion_without_overlap(freefem_text, dt, pressing, aside):
-    """Body 3 is held; `aside`: masses across over those along. The gaps are linearised at the start, and again at the end while that leaves an overlap."""
+    """Body 3 is held; `aside`: masses across over those along. The gaps are linearised at the start, and again at the end while
+    that leaves an overlap."""
     def measured(speed):
         after = [(b[0] + dt * s[0], b[1] + dt * s[1], b[2] + dt * s[2], *b[3:]) for b, s in zip(BODIES, speed)]
         return rows(freefem_text(scene(after, more=MEASURE)).stdout, "gap")
@@ -219,7 +208,8 @@ def test_ellipses_in_a_fluid_come_to_lie_flat_and_never_overlap(freefem_text, tm
     """One stands on its end on the floor at the start, one falls on it, a disk on both: outlines are followed from row to row."""
     particles = "bodyEllipse(1., 0.45, 0.4, 0.2, 1.45, 1.5); bodyEllipse(0.6, 1.1, 0.4, 0.2, 0.3, 1.3); bodyDisk(1.5, 0.9, 0.2, 1.3);"
     low = make_mesh(tmp_path / "low.mesh", "box", "--width", 2, "--height", 2, "--size", 0.0625)
-    freefem_text(on_floor("{ " + particles + " }"), "-mesh", low, "-dt", 0.0025, "-tend", 0.8, "-every", 0.02, "-out", tmp_path / "run")
+    freefem_text(on_floor("{ " + particles + " }"), "-mesh", low, "-dt", 0.0025, "-tend", 0.8, "-every", 0.02, "-out",
+        tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     table = run.particles
     minor = 0.2  # of all three
@@ -227,7 +217,8 @@ def test_ellipses_in_a_fluid_come_to_lie_flat_and_never_overlap(freefem_text, tm
     nearest = np.inf
     for t in np.unique(table["t"]):
         now = np.flatnonzero(table["t"] == t)
-        outlines = [outline(table["x"][k], table["y"][k], table["theta"][k], table["radius"][k], minor / table["radius"][k], angles) for k in now]
+        outlines = [outline(table["x"][k], table["y"][k], table["theta"][k], table["radius"][k], minor / table["radius"][k],
+            angles) for k in now]
         for k, points in enumerate(outlines):
             assert points[0].min() > -1e-5 and points[0].max() < 2 + 1e-5 and points[1].min() > -1e-5
             for other in now[k + 1:]:  # no point of one lies in another
@@ -243,9 +234,11 @@ def test_ellipses_in_a_fluid_come_to_lie_flat_and_never_overlap(freefem_text, tm
 
 
 def test_ellipses_that_overlap_are_refused_with_a_list_or_pushed_apart(freefem_text, tmp_path):
-    standing = on_floor("{ bodyEllipse(1., 0.3, 0.4, 0.2, pi/2, 1.5); bodyEllipse(1., 0.8, 0.4, 0.2, 0, 1.5); bodyDisk(1.5, 3, 0.2, 1.3); }")
+    standing = on_floor("{ bodyEllipse(1., 0.3, 0.4, 0.2, pi/2, 1.5); bodyEllipse(1., 0.8, 0.4, 0.2, 0, 1.5); bodyDisk(1.5, 3, "
+        "0.2, 1.3); }")
     done = freefem_text(standing, *FLOOR, "-tend", 0.005, "-out", tmp_path / "no", check=False)
-    assert done.returncode == 5 and "2 overlaps at the start" in done.stderr and "particle 0 overlaps the wall from (" in done.stderr and "particles 0 and 1 overlap by 0.1" in done.stderr
+    assert (done.returncode == 5 and "2 overlaps at the start" in done.stderr
+        and "particle 0 overlaps the wall from (" in done.stderr and "particles 0 and 1 overlap by 0.1" in done.stderr)
     freefem_text(standing, *FLOOR, "-tend", 0.005, "-out", tmp_path / "yes", "-contact-initial", "push")
     table = RunFolder(tmp_path / "yes").particles
     first = table["t"] == table["t"].min()
@@ -270,7 +263,8 @@ include "scripts/contacts.edp"
 def test_the_gap_to_a_wall_whose_end_has_pierced_an_ellipse(freefem_text, seed, which, wall):
     """The end that was looked at was the other one: -0.44 in place of -0.096."""
     rng = np.random.default_rng(seed)
-    bodies = [(*rng.uniform(-2, 2, 2), rng.uniform(-10, 10), np.exp(rng.uniform(-3, 0.3)), rng.choice([0.02, 0.05, 0.2, 0.6, 0.95, 1.0])) for _ in range(12)]
+    bodies = [(*rng.uniform(-2, 2, 2), rng.uniform(-10, 10), np.exp(rng.uniform(-3, 0.3)), rng.choice([0.02, 0.05, 0.2, 0.6, 0.95,
+        1.0])) for _ in range(12)]
     walls = []
     for _ in range(6):
         start, length, turn = rng.uniform(-2, 2, 2), np.exp(rng.uniform(-4, 1)), rng.uniform(0, 2 * np.pi)
@@ -284,12 +278,15 @@ def test_the_gap_to_a_wall_whose_end_has_pierced_an_ellipse(freefem_text, seed, 
 
 
 def lattice(across, aspect, rough, far=0.0, seed=0):
-    """Rows of equal ellipses that touch all their neighbours but for a share `rough`, thrown down into a box they fill: what scene() takes."""
+    """Rows of equal ellipses that touch all their neighbours but for a share `rough`, thrown down into a box they fill: what
+    scene() takes."""
     rng = np.random.default_rng(seed)
-    x = np.array([(2 * k + j % 2, 3**0.5 * j) for j in range(across) for k in range(across)]) + rough * rng.standard_normal((across**2, 2))
+    x = np.array([(2 * k + j % 2, 3**0.5 * j) for j in range(across)
+        for k in range(across)]) + rough * rng.standard_normal((across**2, 2))
     a = 0.5 * min(np.hypot(*(x[k + 1:] - x[k]).T).min() for k in range(len(x) - 1)) * (1 - 1e-12)
     low, high = far + (x.min(0) - a) * [1, aspect], far + (x.max(0) + a) * [1, aspect]
-    walls = [(low[0] - 9, low[1], high[0] + 9, low[1]), (low[0], low[1] - 9, low[0], high[1] + 99), (high[0], low[1] - 9, high[0], high[1] + 99)]
+    walls = [(low[0] - 9, low[1], high[0] + 9, low[1]), (low[0], low[1] - 9, low[0], high[1] + 99), (high[0], low[1] - 9, high[0],
+        high[1] + 99)]
     speed = 0.05 * rng.standard_normal((len(x), 3)) - [0, 0.25 * aspect, 0]
     return [(*(far + p * [1, aspect]), 0.0, a, aspect) for p in x], walls, [1.0] * len(x), [0.25 * (1 + aspect**2)] * len(x), speed
 
@@ -298,7 +295,8 @@ def lattice(across, aspect, rough, far=0.0, seed=0):
 def test_a_lattice_of_ellipses_that_are_nearly_disks_is_solved(freefem_text, across, rough):
     """Redundant contacts: active sets turn in circles, and gradients needed more than 200,000 steps or ended with status 4."""
     bodies = lattice(across, 0.999999, rough)
-    speed, disk = (rows(freefem_text(scene([(*b[:4], aspect) for b in bodies[0]], *bodies[1:], more=PROJECT.replace("DT", "1"))).stdout, "speed") for aspect in (0.999999, 1.0))
+    speed, disk = (rows(freefem_text(scene([(*b[:4], aspect) for b in bodies[0]], *bodies[1:], more=PROJECT.replace("DT",
+        "1"))).stdout, "speed") for aspect in (0.999999, 1.0))
     assert speed == pytest.approx(disk, abs=1e-4)
 
 
@@ -315,7 +313,8 @@ def test_an_ellipse_squeezed_by_two_held_ones_ends_the_run_with_the_reason(freef
 
 
 def test_a_light_thin_ellipse_that_a_heavy_one_strikes_into_a_corner_finds_its_place(freefem_text):
-    """It turns by more than a linearised gap is good for: corrections that let it turn freely went to and fro, with overlaps of 0.07 to 0.7 after each of 12."""
+    """It turns by more than a linearised gap is good for: corrections that let it turn freely went to and fro, with overlaps of
+    0.07 to 0.7 after each of 12."""
     bodies = [(0.0, 0.0, 4.79, 1.0, 0.9), (2.05, 0.0, 4.5, 1.0, 1.0), (0.0, 2.05, 2.93, 1.0, 0.3)]
     walls = [(-1.05, -1.05, 3.1, -1.05), (3.1, -1.05, 3.1, 3.1), (3.1, 3.1, -1.05, 3.1), (-1.05, 3.1, -1.05, -1.05)]
     speed, mass = [(1.1, 8.2, -0.3), (-1.5, 1.0, -6.4), (-1.9, 5.1, 0.6)], [0.09, 0.41, 5e-4]
@@ -333,13 +332,16 @@ def test_a_light_thin_ellipse_that_a_heavy_one_strikes_into_a_corner_finds_its_p
 
 
 @pytest.mark.parametrize("held", [False, True])
-@pytest.mark.parametrize("turn, height, fall, spin", [(0.3, 0.4, -1.7, 0.2), (3.0, 0.7, -2.0, -1.3), (0.4, 0.6, -1.4, -1.4), (2.7, 1.0, -1.7, -0.7)])
+@pytest.mark.parametrize("turn, height, fall, spin", [(0.3, 0.4, -1.7, 0.2), (3.0, 0.7, -2.0, -1.3), (0.4, 0.6, -1.4, -1.4),
+    (2.7, 1.0, -1.7, -0.7)])
 def test_a_thin_ellipse_does_not_go_through_a_wall_or_a_body_in_one_step(freefem_text, turn, height, fall, spin, held):
-    """Gaps were linearised again where it had come to, beyond the wall, from where the wall pushed it on: the run went on without a word."""
+    """Gaps were linearised again where it had come to, beyond the wall, from where the wall pushed it on: the run went on without a
+    word."""
     bodies, mass, speed = [(0.0, height, turn, 1.0, 0.1)], [1.0], [(0.0, fall, spin)]
     if held:  # instead of the wall a held ellipse, whose upper side lies there
         bodies, mass, speed = [*bodies, (0.0, -0.3, 0.0, 3.0, 0.1)], [1.0, -1.0], [*speed, (0.0, 0.0, 0.0)]
-    out = freefem_text(scene(bodies, [] if held else [(-9.0, 0.0, 9.0, 0.0)], mass, [0.2525, 1.0][:len(mass)], speed, more=PROJECT.replace("DT", "1"))).stdout
+    out = freefem_text(scene(bodies, [] if held else [(-9.0, 0.0, 9.0, 0.0)], mass, [0.2525, 1.0][:len(mass)], speed,
+        more=PROJECT.replace("DT", "1"))).stdout
     u, v, w = rows(out, "speed")[0]
     points = outline(u, height + v, turn + w, 1.0, 0.1, np.linspace(0, 2 * np.pi, 2001))
     floor = np.where(np.abs(points[0]) < 3, 0.3 * np.sqrt(np.maximum(0, 1 - (points[0] / 3)**2)) - 0.3, -np.inf) if held else 0
@@ -374,7 +376,8 @@ def test_a_scene_that_is_turned_or_mirrored_is_projected_turned_or_mirrored(free
     bodies = [(*(turn @ b[:2]), angle + mirror * b[2], *b[3:]) for b in BODIES]
     walls = [(*(turn @ w[:2]), *(turn @ w[2:])) for w in NEAR]
     speed = [(*(turn @ s[:2]), mirror * s[2]) for s in SPEED]
-    plain, other = (rows(freefem_text(scene(*what, more=uneven + PROJECT.replace("DT", "0.3"))).stdout, "speed") for what in ((BODIES, NEAR, MASS, MOMENT, SPEED), (bodies, walls, MASS, MOMENT, speed)))
+    plain, other = (rows(freefem_text(scene(*what, more=uneven + PROJECT.replace("DT", "0.3"))).stdout, "speed")
+        for what in ((BODIES, NEAR, MASS, MOMENT, SPEED), (bodies, walls, MASS, MOMENT, speed)))
     assert abs(plain - SPEED).max() > 0.1
     np.testing.assert_allclose(other, np.column_stack([plain[:, :2] @ turn.T, mirror * plain[:, 2]]), atol=1e-6)
 
@@ -387,7 +390,8 @@ def test_the_axis_across_a_disk_may_be_called_the_one_along_it(freefem_text):
     found = []
     for those, mass, aside in ((bodies, MASS, share), (swapped, list(np.array(MASS) * share), 1 / share)):
         uneven = f"contactEllipseAside.resize(5); contactEllipseAside = {[float(s) for s in aside]};"
-        found.append(rows(freefem_text(scene(those, WALLS, mass, MOMENT, SPEED, more=uneven + PROJECT.replace("DT", "0.9"))).stdout, "speed"))
+        found.append(rows(freefem_text(scene(those, WALLS, mass, MOMENT, SPEED, more=uneven + PROJECT.replace("DT",
+            "0.9"))).stdout, "speed"))
     plain = rows(freefem_text(scene(bodies, WALLS, MASS, MOMENT, SPEED, more=PROJECT.replace("DT", "0.9"))).stdout, "speed")
     np.testing.assert_allclose(found[1], found[0], atol=1e-7)
     assert abs(plain - found[0]).max() > 0.05
@@ -396,7 +400,8 @@ def test_the_axis_across_a_disk_may_be_called_the_one_along_it(freefem_text):
 def test_each_impulse_is_the_change_of_momentum_that_it_makes(freefem_text):
     """Of a move short enough for one linearisation: forces along the normals, torques by the lever arms."""
     told = "for (int k = 0; k < contactN; ++k) cout << \"row \" << contactI[k] << \" \" << contactJ[k] << \" \" << contactImpulse[k] << \" \" << contactEx[k] << \" \" << contactEy[k] << endl;"
-    out = freefem_text(scene(walls=NEAR, speed=[(3 * a, 3 * b, 0.1 * c) for a, b, c in SPEED], more=MEASURE + "contactOverlap = 0.05;" + PROJECT.replace("DT", "0.08") + told)).stdout
+    out = freefem_text(scene(walls=NEAR, speed=[(3 * a, 3 * b, 0.1 * c) for a, b, c in SPEED],
+        more=MEASURE + "contactOverlap = 0.05;" + PROJECT.replace("DT", "0.08") + told)).stdout
     change = rows(out, "speed") - np.array(SPEED) * [3, 3, 0.1]
     push, table = np.zeros((5, 3)), rows(out, "row")
     assert rows(out, "passes")[0, 0] == 1 and (table[:, 2] > 1e-3).sum() >= 2 and table[table[:, 1] < 0, 2].max() > 1e-3
@@ -436,7 +441,8 @@ def test_who_has_been_projected_may_change_places(freefem_text):
 
 @pytest.mark.parametrize("upright", [0, 1])
 def test_a_wall_along_a_whole_period_has_no_end_for_an_ellipse_over_its_seam(freefem_text, upright):
-    """The foot of the ellipse lies beyond one end or the other: its height less the support function, whichever axis is periodic."""
+    """The foot of the ellipse lies beyond one end or the other: its height less the support function, whichever axis is
+    periodic."""
     for along, turn in ((0.05, 0.6), (7.95, 0.6), (0.05, -0.6), (7.95, -0.6), (4.0, 0.6)):
         body, wall, angle = (along, 0.8, turn, 1.0, 0.3), (0.0, 0.0, 8.0, 0.0), turn
         if upright:
@@ -450,12 +456,16 @@ def test_a_wall_along_a_whole_period_has_no_end_for_an_ellipse_over_its_seam(fre
 
 
 def test_behind_a_wall_or_a_body_the_direction_before_counts(freefem_text):
-    """Where that of the largest s is more than a right angle from it: s of the one before, its lever arms by differences; elsewhere what is measured without it."""
+    """Where that of the largest s is more than a right angle from it: s of the one before, its lever arms by differences; elsewhere
+    what is measured without it."""
     bodies, walls = [(0.0, 0.0, 0.3, 0.5, 0.5), (1.2, 0.1, 1.0, 0.4, 0.7), (0.3, 1.3, -0.5, 0.3, 0.4)], [(-1.0, -0.8, 1.5, -0.9)]
-    text = scene(bodies, walls, [1.0] * 3, [1.0] * 3, [(0, 0, 0)] * 3, more="contactUpdate(px, py, r, id, 10.);\nSIDE" + MEASURE.split("\n", 2)[2])
+    text = scene(bodies, walls, [1.0] * 3, [1.0] * 3, [(0, 0, 0)] * 3, more="contactUpdate(px, py, r, id, 10.);\nSIDE"
+        + MEASURE.split("\n", 2)[2])
     fresh = rows(freefem_text(text.replace("SIDE", "")).stdout, "gap")
-    angles = [0.2 + np.arctan2(row[4], row[3]) + (np.pi if k % 2 else 0) for k, row in enumerate(fresh)]  # every other one from the other side
-    side = "".join(f"contactEllipseSide{axis}.resize({len(fresh)}) = {[float(f(a)) for a in angles]};\n" for axis, f in (("X", np.cos), ("Y", np.sin)))
+    # every other one from the other side
+    angles = [0.2 + np.arctan2(row[4], row[3]) + (np.pi if k % 2 else 0) for k, row in enumerate(fresh)]
+    side = "".join(f"contactEllipseSide{axis}.resize({len(fresh)}) = {[float(f(a)) for a in angles]};\n" for axis,
+        f in (("X", np.cos), ("Y", np.sin)))
     found = rows(freefem_text(text.replace("SIDE", side)).stdout, "gap")
     assert len(fresh) == 6 and (fresh[1::2, 1] < 0).any() and (fresh[1::2, 1] >= 0).any()
 
@@ -466,7 +476,8 @@ def test_behind_a_wall_or_a_body_the_direction_before_counts(freefem_text):
             assert row == pytest.approx(fresh[k], abs=1e-12)
             continue
         n, one, step = np.array([np.cos(angle), np.sin(angle)]), bodies[int(row[0])], 1e-5
-        slope = [(support(b, angle, -step) - support(b, angle, step)) / (2 * step) for b in (one, bodies[int(row[1])] if row[1] >= 0 else (0, 0, 0, 0, 0))]
+        slope = [(support(b, angle, -step) - support(b, angle, step)) / (2 * step) for b in (one, bodies[int(row[1])]
+            if row[1] >= 0 else (0, 0, 0, 0, 0))]
         if row[1] >= 0:
             other = bodies[int(row[1])]
             gap = n @ np.subtract(one[:2], other[:2]) - support(one, angle) - support(other, angle)
@@ -477,7 +488,9 @@ def test_behind_a_wall_or_a_body_the_direction_before_counts(freefem_text):
 
 def test_over_a_seam_along_y_the_nearest_image_counts_too(freefem_text):
     bodies = [(0.0, 0.3, 0.4, 0.5, 0.4), (0.2, 7.6, 1.0, 0.6, 0.5)]
-    text = scene(bodies, [], [1, 1], [1, 1], [(0, 0, 0)] * 2, 8.0, MEASURE.replace("10.", "0.5")).replace("contactPeriodic(0, -5, 8.0, 0);", "contactPeriodic(-5, 0, 0, 8.0);")
+    text = scene(bodies, [], [1, 1], [1, 1], [(0, 0, 0)] * 2, 8.0, MEASURE.replace("10.",
+        "0.5")).replace("contactPeriodic(0, -5, 8.0, 0);", "contactPeriodic(-5, 0, 0, 8.0);")
     found = rows(freefem_text(text).stdout, "gap")
     distance, direction = apart(edge((0.0, 8.3, *bodies[0][2:])), edge(bodies[1]))
-    assert len(found) == 1 and found[0, 2] == pytest.approx(distance, abs=1e-8) and found[0, 4] == pytest.approx(direction[1], abs=1e-4)
+    assert len(found) == 1 and found[0, 2] == pytest.approx(distance, abs=1e-8) and found[0, 4] == pytest.approx(direction[1],
+        abs=1e-4)

@@ -6,7 +6,8 @@ from tools.base.run_folder import RunFolder
 
 @pytest.mark.parametrize("tend, steps, end", [("0.009", 1, 0.009), ("0.03", 2, 0.03), ("0.04", 2, 0.04)])
 def test_contacts_alone_reach_the_end(freefem, tmp_path, tend, steps, end):
-    done = freefem("cases/falling_particles.edp", "-number", "3", "-tend", tend, "-dt", "0.02", "-every", "0", "-out", tmp_path / "run")
+    done = freefem("cases/falling_particles.edp", "-number", "3", "-tend", tend, "-dt", "0.02", "-every", "0", "-out",
+        tmp_path / "run")
     table = RunFolder(tmp_path / "run").table("motion")
     assert table["step"].tolist() == list(range(steps + 1)) and table["t"][-1] == pytest.approx(end)
     assert f"finished at t = {end:g} s after {steps} step" in done.stdout

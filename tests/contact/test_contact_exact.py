@@ -78,7 +78,8 @@ def test_a_resting_column_carries_the_weight_above_each_contact():
         assert found[key] == pytest.approx(impulse, rel=1e-9)
 
 
-@pytest.mark.parametrize("number, solver", [(50, "newton"), (50, "accelerated"), (50, "uzawa"), (500, "newton"), (500, "accelerated")])
+@pytest.mark.parametrize("number, solver", [(50, "newton"), (50, "accelerated"), (50, "uzawa"), (500, "newton"),
+    (500, "accelerated")])
 def test_packings_with_exact_solutions(number, solver):
     scene = read_scene(DATA.format(number, "bodies"), DATA.format(number, "walls"))
     exact = np.loadtxt(DATA.format(number, "exact"), delimiter=",", skiprows=1)[:, 1:]
@@ -133,7 +134,8 @@ def test_too_few_steps_end_with_words_and_status_4():
 @pytest.mark.parametrize("number", [1, 30])
 def test_a_row_squeezed_between_two_prescribed_disks_is_said_at_once(number, solver):
     scene = row([-1.0] + [1.0] * number + [-1.0], [0.1] + [0.0] * number + [-0.1])
-    with pytest.raises(BadInput, match=r"leave a body no room: no motion satisfies the contacts of .*body \d+ and body \d+ have the largest contact force .*status 4"):
+    with pytest.raises(BadInput, match=r"leave a body no room: no motion satisfies the contacts of .*body \d+ and body \d+ have "
+        r"the largest contact force .*status 4"):
         project(scene, solver=solver)
 
 

@@ -127,7 +127,8 @@ def test_bad_words_from_python():
 
 @pytest.mark.parametrize("end", ["", "\n", "\r\n", "\n   \n\n \t \n"])
 def test_the_last_line_may_lack_its_end_and_blanks_make_no_line(freefem, tmp_path, end):
-    for name, head, rows in (("bodies", "id,x,y,radius,mass,u,v", [*GOOD[:1], "   ", *GOOD[1:]]), ("walls", "x1,y1,x2,y2", ["0,0,1,0", "     ", "0,1,1,1"])):
+    for name, head, rows in (("bodies", "id,x,y,radius,mass,u,v", [*GOOD[:1], "   ", *GOOD[1:]]), ("walls", "x1,y1,x2,y2",
+        ["0,0,1,0", "     ", "0,1,1,1"])):
         (tmp_path / f"{name}.csv").write_text("\n".join([head, *rows]) + end)
     done = freefem(SCRIPT, "-bodies", tmp_path / "bodies.csv", "-walls", tmp_path / "walls.csv", "-out", tmp_path / "out.csv")
     assert "disks 2," in done.stdout
@@ -162,15 +163,18 @@ BOX, NEXT = ring((0, 0), (1, 0), (1, 1), (0, 1)), ["1,0,2,0", "2,0,2,1", "2,1,1,
     (BOX + ["0.5,0,0.5,1"], [(0.3, 0.5), (0.7, 0.5)], None),  # a partition
     (BOX + NEXT, [(0.3, 0.5), (3, 3), (4, 3)], "particle 0 stands inside an obstacle"),
     (square(0, 4) + square(1, 3), [(0.5, 0.5), (2, 2), (0.5, 3.5)], "particle 1 stands inside an obstacle"),
-    (square(0, 4) + square(1, 3), [(0.5, 0.5), (2, 2)], "particle 1 stands inside an obstacle"),  # one of two: the one in the box stands right
+    # one of two: the one in the box stands right
+    (square(0, 4) + square(1, 3), [(0.5, 0.5), (2, 2)], "particle 1 stands inside an obstacle"),
     (square(0, 4) + square(1, 3), [(2, 2), (5, 5), (6, 6)], None),  # in the hole of a ring, and around it
-    (square(0, 9) + square(1, 4) + square(2, 3), [(0.5, 0.5), (2.5, 2.5), (5, 5), (1.5, 2.5)], "particle 3 stands inside an obstacle"),
+    (square(0, 9) + square(1, 4) + square(2, 3), [(0.5, 0.5), (2.5, 2.5), (5, 5), (1.5, 2.5)], "particle 3 stands inside an "
+        "obstacle"),
     (TRIANGLE, [(0.5, 0.35), (3, 3), (4, 3)], "particle 0 stands inside an obstacle"),
     (["0,0,-0.5,0"] + TRIANGLE, [(0.5, 0.35), (3, 3), (4, 3)], "particle 0 stands inside an obstacle"),  # with a fin
     (TRIANGLE + ["0,0,-0.5,0", "0.5,0,0.5,-1"], [(0.5, 0.35), (3, 3), (4, 3)], "particle 0 stands inside an obstacle"),
     (["0.5,1,0.5,0.5", "0.5,1,0.5,2"] + TRIANGLE, [(0.7, 0.35), (3, 3), (4, 3)], "particle 0 stands inside an obstacle"),
     (TRIANGLE[:2] + ["0,0,-0.5,0"], [(0.5, 0.35), (3, 3), (4, 3)], None),  # not closed
-    (TRIANGLE + ["0,0,-1,0", "0,0,-0.5,1", "-1,0,-0.5,1"], [(0.5, 0.35), (-0.5, 0.35), (3, 3), (4, 3), (5, 3)], "particle 1 stands inside an obstacle"),
+    (TRIANGLE + ["0,0,-1,0", "0,0,-0.5,1", "-1,0,-0.5,1"], [(0.5, 0.35), (-0.5, 0.35), (3, 3), (4, 3), (5, 3)],
+        "particle 1 stands inside an obstacle"),
 ])
 def test_chambers_and_obstacles(refused, walls, places, wrong):
     status, lines = refused([f"{k},{x},{y},0.05,1,0,0" for k, (x, y) in enumerate(places)], walls)
@@ -186,7 +190,8 @@ def test_what_cannot_be_written_is_refused_before_the_work(freefem_refused, tmp_
     assert f"{words[0]}: cannot write the file" in line and not (tmp_path / "out.csv").exists()
 
 
-@pytest.mark.parametrize("options", [("-out", "-bodies"), ("-out", "-walls"), ("-contacts", "-bodies"), ("-contacts", "-walls"), ("-contacts", "-out")])
+@pytest.mark.parametrize("options", [("-out", "-bodies"), ("-out", "-walls"), ("-contacts", "-bodies"), ("-contacts", "-walls"),
+    ("-contacts", "-out")])
 def test_no_file_is_written_over_one_that_is_read(freefem_refused, tmp_path, options):
     (tmp_path / "bodies.csv").write_text("\n".join(["id,x,y,radius,mass,u,v", *GOOD]) + "\n")
     (tmp_path / "walls.csv").write_text("x1,y1,x2,y2\n0,0,1,0\n")

@@ -28,7 +28,8 @@ def within(corners, x):
 
 
 def group(rng, centre, size, plain):
-    """(walls, polygons that they fill): a polygon, and unless `plain` spokes, fins, a chamber on one side, one at a corner, walls drawn twice, in pieces or without a length."""
+    """(walls, polygons that they fill): a polygon, and unless `plain` spokes, fins, a chamber on one side, one at a corner, walls
+    drawn twice, in pieces or without a length."""
     number = int(rng.integers(5, 9))
     angle = 2 * np.pi * (np.arange(number) + rng.uniform(-0.25, 0.25, number)) / number
     corners = centre + size * rng.uniform(0.7, 1, number)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
@@ -43,7 +44,8 @@ def group(rng, centre, size, plain):
             walls += [(a, middle), (middle, b)]
         else:
             walls.append((a, b))
-        for share in [] if plain else rng.permutation([0.2, 0.35, 0.6, 0.8])[:int(rng.integers(0, 4))]:  # ends on the middle of a wall, out of order
+        # ends on the middle of a wall, out of order
+        for share in [] if plain else rng.permutation([0.2, 0.35, 0.6, 0.8])[:int(rng.integers(0, 4))]:
             foot = a + share * (b - a)
             walls.append((foot, centre + rng.choice([0, 0.8, 1.2]) * (foot - centre)))
     if not plain:
@@ -61,12 +63,14 @@ def group(rng, centre, size, plain):
 
 
 def scene(rng, axes):
-    """Groups of walls that do not meet, some in others, in a unit square with these periods; places with the number of groups round them."""
+    """Groups of walls that do not meet, some in others, in a unit square with these periods; places with the number of groups round
+    them."""
     centres, groups = [], []
     low = rng.uniform(-1, 1, 2)
     steps = [(-1, 0, 1) if axis in axes else (0,) for axis in (0, 1)]
     shifts = np.array([(a, b) for a in steps[0] for b in steps[1]])
-    seams = [low + np.array([0 if axis in axes else 0.25, 0.5])[::1 - 2 * axis] for axis in (0, 1)]  # places on a side, where it is one of the period
+    # places on a side, where it is one of the period
+    seams = [low + np.array([0 if axis in axes else 0.25, 0.5])[::1 - 2 * axis] for axis in (0, 1)]
     while len(centres) < 5:
         at = seams[len(centres)] if len(centres) < 2 else low + rng.random(2)
         if all(np.hypot(*(at - c - s)) > 0.32 for c in centres for s in shifts):
@@ -75,14 +79,17 @@ def scene(rng, axes):
             groups.append(group(rng, at, 0.1, plain))
             if plain:
                 groups.append(group(rng, at, 0.017, len(centres) % 4 == 0))
-    x = np.concatenate([low + rng.random((1500, 2)), *(c + rng.uniform(-far, far, (200, 2)) for c in centres for far in (0.15, 0.02))])
+    x = np.concatenate([low + rng.random((1500, 2)), *(c + rng.uniform(-far, far, (200, 2)) for c in centres
+        for far in (0.15, 0.02))])
     ends = np.concatenate([np.reshape(walls, (-1, 2)) for walls, _ in groups])
     x[:1500:3, 1] = ends[rng.integers(len(ends), size=500), 1]  # as high as a corner
-    depth = sum(np.any([within(polygon, x + shift) for polygon in filled for shift in shifts], axis=0).astype(int) for _, filled in groups)
+    depth = sum(np.any([within(polygon, x + shift) for polygon in filled for shift in shifts], axis=0).astype(int) for _,
+        filled in groups)
     walls = np.array([wall for part, _ in groups for wall in part])
     left, right = walls.min(1)[:, 0], walls.max(1)[:, 0]
     level = walls[:, 0, 1] == walls[:, 1, 1]
-    on = [(abs(x[:, 1:] + shift[1] - walls[level, 0, 1]) < 1e-9) & (x[:, :1] + shift[0] > left[level] - 1e-9) & (x[:, :1] + shift[0] < right[level] + 1e-9) for shift in shifts]
+    on = [(abs(x[:, 1:] + shift[1] - walls[level, 0, 1]) < 1e-9) & (x[:, :1] + shift[0] > left[level] - 1e-9)
+        & (x[:, :1] + shift[0] < right[level] + 1e-9) for shift in shifts]
     off = ~np.any(on, axis=(0, 2))
     walls = walls[rng.permutation(len(walls))]
     flip = rng.random(len(walls)) < 0.5

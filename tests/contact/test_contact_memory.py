@@ -1,4 +1,5 @@
-"""What contacts keep from step to step, lists of who is near, who need not be looked at, impulses: nothing may hang on it but time."""
+"""What contacts keep from step to step, lists of who is near, who need not be looked at, impulses: nothing may hang on it but
+time."""
 import pytest
 
 from tests.tables import rows
@@ -42,7 +43,8 @@ for (int step = 0; step < 150; ++step) {
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_list_that_is_kept_holds_what_a_double_loop_finds(freefem_text, seed):
-    """Disks go on a little or far, grow, change places, walls move, come and go: the list is old where it may be, and made anew where it must be."""
+    """Disks go on a little or far, grow, change places, walls move, come and go: the list is old where it may be, and made anew
+    where it must be."""
     found = rows(freefem_text(LIST.replace("SEED", str(seed))).stdout, "count")
     assert len(found) == 150 and found[:, 1].sum() > 2000 and found[:, 3].sum() > 100
     assert (found[:, 0] == found[:, 1]).all() and (found[:, 2] == found[:, 3]).all()
@@ -101,9 +103,11 @@ for (int step = 0; step < 250; ++step) {
 @pytest.mark.parametrize("form", ["linear", "ballistic"])
 @pytest.mark.parametrize("size", [4, 40])
 def test_what_is_kept_between_steps_changes_no_motion(freefem_text, tmp_path, form, size):
-    """Disks that fly about, one held, a wall that moves and stops; and each projection by itself, which knows nothing of the steps before. The least gap that is told is the true one or less where it is short."""
+    """Disks that fly about, one held, a wall that moves and stops; and each projection by itself, which knows nothing of the steps
+    before. The least gap that is told is the true one or less where it is short."""
     text = STEPS.replace("SEED", "5").replace("SIZE", str(size))
-    kept, alone = (rows(freefem_text(text, "-contact-form", form, "-states", tmp_path / "states", "-fresh", fresh).stdout, "step") for fresh in (0, 1))
+    kept, alone = (rows(freefem_text(text, "-contact-form", form, "-states", tmp_path / "states", "-fresh", fresh).stdout, "step")
+        for fresh in (0, 1))
     assert len(kept) == 250 and kept[:, 3:] == pytest.approx(alone[:, 3:], abs=1e-7)
     short = kept[:, 1] < 0.3
     assert (kept[short, 0] <= kept[short, 1] + 1e-9).all() and kept[:, 1].min() > -1e-8 and (size == 40 or short.sum() > 30)
@@ -132,9 +136,12 @@ for (int step = 0; step < 160; ++step) {{
 cout << "APART " << idle << " " << least << endl;
 """
 MEETINGS = {
-    "disks along x": dict(place=(-8, 0), speed=(1, 0), far=0), "disks along y": dict(place=(0, -8), speed=(0, 1), far=0), "disks aslant": dict(place=(6, -6), speed=(-0.7, 0.7), far=0),
-    "both along x": dict(place=(-6, 0), speed=(1, 0), other=(-1, 0), far=0), "both along y": dict(place=(0, -6), speed=(0, 1), other=(0, -1), far=0),
-    "a floor": dict(place=(0, 8), speed=(0, -1), wall="-20, 0, 20, 0", gap="py[0]"), "a wall": dict(place=(8, 0), speed=(-1, 0), wall="0, -20, 0, 20", gap="px[0]"),
+    "disks along x": dict(place=(-8, 0), speed=(1, 0), far=0), "disks along y": dict(place=(0, -8), speed=(0, 1), far=0),
+        "disks aslant": dict(place=(6, -6), speed=(-0.7, 0.7), far=0),
+    "both along x": dict(place=(-6, 0), speed=(1, 0), other=(-1, 0), far=0), "both along y": dict(place=(0, -6), speed=(0, 1),
+        other=(0, -1), far=0),
+    "a floor": dict(place=(0, 8), speed=(0, -1), wall="-20, 0, 20, 0", gap="py[0]"), "a wall": dict(place=(8, 0), speed=(-1, 0),
+        wall="0, -20, 0, 20", gap="px[0]"),
     "a floor that rises": dict(place=(0, 8), speed=(0, 0), wall="-20, 0, 20, 0", gap="py[0] - contactSY1[0]", walls=2, push="0, 1"),
 }
 
@@ -142,6 +149,7 @@ MEETINGS = {
 @pytest.mark.parametrize("meeting", MEETINGS)
 def test_what_could_not_meet_for_many_steps_is_looked_after_in_time(meeting, freefem_text):
     """From whichever side they come, and from when a wall begins to move."""
-    words = dict(far=1000, other=(0, 0), walls=int("wall" in MEETINGS[meeting]), wall="0, 0, 1, 1", gap="0", push="0, 0") | MEETINGS[meeting]
+    words = dict(far=1000, other=(0, 0), walls=int("wall" in MEETINGS[meeting]), wall="0, 0, 1, 1", gap="0",
+        push="0, 0") | MEETINGS[meeting]
     idle, least = map(float, freefem_text(APART.format(**words)).stdout.split("APART")[1].split()[:2])
     assert idle > 10 and abs(least) < 1e-6  # they meet, and no more than that

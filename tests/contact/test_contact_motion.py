@@ -60,7 +60,8 @@ def ramp_error(run_scene, dt, form):
     s = np.sqrt(0.5)
     start = np.array([-length * s + r * s, length * s + r * s])
     slide = np.sqrt(2 * length / (g * s))  # until the contact reaches the end of the ramp
-    disks, _ = run_scene(f"bodyDisk({start[0]:.17g}, {start[1]:.17g}, {r}, 1);", walls, dt=dt, tend=0.8, contact_form=form, name=f"ramp_{form}_{dt}")
+    disks, _ = run_scene(f"bodyDisk({start[0]:.17g}, {start[1]:.17g}, {r}, 1);", walls, dt=dt, tend=0.8, contact_form=form,
+        name=f"ramp_{form}_{dt}")
     t, x, y = (disks[0][c] for c in "txy")
     speed = g * s * slide
     # Beyond the edge the ball is free at once: the ramp was a tangent of its flight.
@@ -194,7 +195,8 @@ cout << "unequal " << unequal << endl;
 
 
 def test_the_list_of_near_disks_stays_short_where_they_move_far(freefem_text):
-    """A crowd that a stream carries by forty radii a step: its list held half of all pairs, and a stream of 20,000 spheres took 2.2 GB."""
+    """A crowd that a stream carries by forty radii a step: its list held half of all pairs, and a stream of 20,000 spheres took 2.2
+    GB."""
     out = freefem_text("""
 include "lib/contact/contact.idp"
 optCase("far", "a crowd that moves far in a step");
@@ -245,7 +247,8 @@ cout << "steps " << contactIterations << endl;
         px = t1; py = t2; r = t3; mass = t4; u = t5; v = t6; id = t7;"""
     results = []
     for name, change in (("a", "1;"), ("b", turn), ("c", 'contactMemory.resize(0); contactNearLoad = 0.; contactLoad("STATE");')):
-        freefem_text(text.replace("RELOAD", change).replace("OUT", str(tmp_path / name)).replace("STATE", str(tmp_path / ("s" + name))))
+        freefem_text(text.replace("RELOAD", change).replace("OUT", str(tmp_path / name)).replace("STATE",
+            str(tmp_path / ("s" + name))))
         rows = np.loadtxt(tmp_path / name)
         results.append(rows[np.argsort(rows[:, 0])])
     np.testing.assert_array_equal(results[0], results[2])
@@ -255,7 +258,8 @@ cout << "steps " << contactIterations << endl;
 @pytest.mark.parametrize("walls, step, says", [
     ("contactWallSegment(0, log(-1.), 1, 0);", "", "its ends must be finite"),
     ("contactWallSegment(0, 0, 1, 0);", "contactWallVelocity(7, 0, 1);", "there is no such wall"),  # moved nothing, in silence
-    ("contactWallSegment(0, 0, 1, 0);", "contactWallVelocity(0, 0, log(-1.));", "is not finite"),  # ended with status 0, its wall nowhere
+    # ended with status 0, its wall nowhere
+    ("contactWallSegment(0, 0, 1, 0);", "contactWallVelocity(0, 0, log(-1.));", "is not finite"),
 ])
 def test_walls_of_no_numbers_and_walls_that_there_are_not_are_refused(freefem_text, tmp_path, walls, step, says):
     done = freefem_text(f"""include "lib/core/output.idp"
@@ -293,7 +297,8 @@ cout << "ring " << contactWallsFromMesh(disk, one) << endl;
 
 def test_a_heap_of_equal_disks_comes_to_rest_at_a_tight_residual(freefem, tmp_path):
     """Lattices with more contacts than needed, whose gaps agree only to rounding."""
-    freefem("cases/falling_particles.edp", "-rmin", "0.06", "-rmax", "0.06", "-gravity", "9.81", "-dt", "0.005", "-tend", "1", "-out", tmp_path / "run")
+    freefem("cases/falling_particles.edp", "-rmin", "0.06", "-rmax", "0.06", "-gravity", "9.81", "-dt", "0.005", "-tend", "1",
+        "-out", tmp_path / "run")
     motion = read_table(tmp_path / "run" / "motion.csv")
     assert motion["kinetic_energy"][-1] < 1e-8 * motion["kinetic_energy"].max()
     assert motion["worst_gap"].min() > -1e-10 * 0.06
@@ -361,7 +366,8 @@ for (int scene = 0; scene < 30; ++scene) {
 
 
 def test_the_least_gap_that_is_told_is_never_above_the_true_one(freefem_text):
-    """One fast disk far from a wall was in the list of near ones, two slow ones nearer to each other were not; a list that had been kept was taken for a new one."""
+    """One fast disk far from a wall was in the list of near ones, two slow ones nearer to each other were not; a list that had been
+    kept was taken for a new one."""
     rows = np.array([line.split()[1:] for line in freefem_text(LEAST).stdout.splitlines() if line.startswith("LEAST")], float)
     apart = rows[:, 0] == 0
     assert len(rows) == 360 and apart.sum() > 300

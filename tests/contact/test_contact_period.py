@@ -24,7 +24,8 @@ def periodic_rows(scene, reach, axes):
     """constraints() of disks and walls, image by image: each pair and wall by its nearest image."""
     found, n = {}, len(scene.x)
     shifts = images(axes)
-    everywhere = Scene(np.vstack([scene.x + shift for shift in shifts]), np.tile(scene.radius, len(shifts)), np.ones(n * len(shifts)),
+    everywhere = Scene(np.vstack([scene.x + shift for shift in shifts]), np.tile(scene.radius, len(shifts)),
+        np.ones(n * len(shifts)),
                        np.zeros((n * len(shifts), 2)), scene.walls)
     rows = constraints(everywhere, reach)
     for i, j, gap, e in zip(rows.i % n, np.where(rows.j < 0, rows.j, rows.j % n), rows.gap, rows.e):
@@ -80,7 +81,8 @@ def test_the_projection_over_seams_is_that_of_a_qp_package(axes):
     # reach: nobody goes farther
     rows = periodic_rows(scene, 2.2 * dt * np.hypot(*answer.velocity.T).max() + 2.2 * dt * np.hypot(*scene.velocity.T).max(), axes)
     plain = constraints(scene, 1.0)
-    across = sum(1 for i, j, gap in zip(rows.i, rows.j, rows.gap) if not np.isclose(plain.gap[(plain.i == i) & (plain.j == j)], gap, atol=1e-12).any())
+    across = sum(1 for i, j, gap in zip(rows.i, rows.j, rows.gap) if not np.isclose(plain.gap[(plain.i == i) & (plain.j == j)],
+        gap, atol=1e-12).any())
     assert across > 15  # rows that only the period makes
     matrix, d, weight, q0 = scaled(rows, scene, dt)
     press = np.maximum(qp_piqp(scene, rows, dt, 1e-12), 0)
@@ -101,7 +103,8 @@ def test_seams_and_walls_along_y_are_those_along_x(wall):
     """The image in the line x = y: also of walls that are a period long, or nearly."""
     scene = dense(1, 110, (0,), 3.0, np.vstack([WALLS, wall]))
     swapped = Scene(scene.x[:, ::-1], scene.radius, scene.mass, scene.velocity[:, ::-1], scene.walls[:, [1, 0, 3, 2]])
-    along, across = (project(one, 0.01, 1e-11, options={word: SIDE[0]}) for one, word in ((scene, "-period-x"), (swapped, "-period-y")))
+    along, across = (project(one, 0.01, 1e-11, options={word: SIDE[0]}) for one, word in ((scene, "-period-x"),
+        (swapped, "-period-y")))
     np.testing.assert_allclose(across.velocity[:, ::-1], along.velocity, atol=1e-8)
     assert across.figures[0]["constraints"] == along.figures[0]["constraints"]
     assert abs(along.velocity - scene.velocity).max() > 0.05
@@ -131,7 +134,8 @@ def couette(freefem, tmp_path):
         script, table = tmp_path / f"{name}.edp", tmp_path / f"{name}.csv"
         script.write_text(CASE.replace(LONE, ""))
         table.write_text(HEAD + "".join(f"{','.join(map(str, row))}\n" for row in disks))
-        freefem(script, "-particles", table, "-reynolds", "10", "-dt", "0.005", "-tend", end, "-every", "0", "-out", tmp_path / name)
+        freefem(script, "-particles", table, "-reynolds", "10", "-dt", "0.005", "-tend", end, "-every", "0", "-out",
+            tmp_path / name)
         done = RunFolder(tmp_path / name)
         return done.table("fluid"), done.table("particles")
     return run
@@ -140,9 +144,11 @@ def couette(freefem, tmp_path):
 def test_a_pair_that_meets_over_the_seam_moves_as_in_the_middle(couette):
     found = {}
     for name, start, turns in (("middle", 0.5, 0), ("seam", 0.0, 3)):
-        fluid, table = couette(name, [(5, start - 0.15, 0.8, 0.08, 50, 2, 0, 0), (6, start + 0.15 + turns, 0.8, 0.08, 50, -2, 0, 0)])
+        fluid, table = couette(name, [(5, start - 0.15, 0.8, 0.08, 50, 2, 0, 0), (6, start + 0.15 + turns, 0.8, 0.08, 50, -2, 0,
+            0)])
         assert fluid["worst_gap"].min() > -1e-9 and fluid["contacts"].max() == 1
-        found[name] = {(d, c): table[c][table["id"] == d] - (start + turns * (d == 6) if c == "x" else 0) for d in (5, 6) for c in "xyuv"}
+        found[name] = {(d, c): table[c][table["id"] == d] - (start + turns * (d == 6) if c == "x" else 0) for d in (5, 6)
+            for c in "xyuv"}
     for key, values in found["middle"].items():
         np.testing.assert_allclose(found["seam"][key], values, atol=1e-4)
 
@@ -167,13 +173,15 @@ def test_a_plate_holds_an_ellipse_over_the_seam(freefem, tmp_path):
         script, table = tmp_path / f"{name}.edp", tmp_path / f"{name}.csv"
         script.write_text(CASE.replace(LONE, ""))
         table.write_text(f"id,x,y,radius,density,u,v,omega,aspect,theta\n0,{x},0.7,0.2,500,0,2,0,0.4,-0.6\n")
-        freefem(script, "-particles", table, "-reynolds", "10", "-dt", "0.0025", "-tend", "0.3", "-every", "0", "-out", tmp_path / name)
+        freefem(script, "-particles", table, "-reynolds", "10", "-dt", "0.0025", "-tend", "0.3", "-every", "0", "-out",
+            tmp_path / name)
         rows = RunFolder(tmp_path / name).table("particles")
         height = 0.2 * np.hypot(np.sin(rows["theta"]), 0.4 * np.cos(rows["theta"]))
         lowest.append((1 - rows["y"] - height).min())
         ends.append((rows["y"][-1], rows["theta"][-1]))
     assert min(lowest) > -1e-6 and max(lowest) < 1e-3
-    assert ends[1] == pytest.approx(ends[0], abs=5e-3) and ends[2] == pytest.approx(ends[0], abs=5e-3)  # at three places within the mesh
+    # at three places within the mesh
+    assert ends[1] == pytest.approx(ends[0], abs=5e-3) and ends[2] == pytest.approx(ends[0], abs=5e-3)
 
 
 def test_a_large_disk_and_a_small_one_may_move_fast_in_a_short_period():
@@ -203,7 +211,8 @@ cout << "sizes " << contactNearI.n << " " << contactNearJ.n << " " << contactNea
 
 
 def searched(freefem_text, tmp_path, disks, low, period, reach=0.0, walls=""):
-    (tmp_path / "disks.txt").write_text(f"{len(disks)}\n" + "".join(" ".join(f"{value:.17g}" for value in row) + "\n" for row in disks))
+    (tmp_path / "disks.txt").write_text(f"{len(disks)}\n" + "".join(" ".join(f"{value:.17g}" for value in row) + "\n"
+        for row in disks))
     out = freefem_text(SEARCH.format(walls=walls, low=low, period=period, reach=reach, file=tmp_path / "disks.txt")).stdout
     return rows(out, "pair"), rows(out, "sizes")[0].astype(int)
 
@@ -211,10 +220,12 @@ def searched(freefem_text, tmp_path, disks, low, period, reach=0.0, walls=""):
 @pytest.mark.parametrize("period", [(0.3, 0), (0, 0.22), (0.3, 0.22)])
 @pytest.mark.parametrize("reach", [0.0, 0.02])
 def test_each_pair_over_a_seam_is_found_once_with_its_shift(reach, period, freefem_text, tmp_path):
-    """Against all images of all pairs, of disks of many sizes that overlap, some periods apart; the largest reach nearly over half a period."""
+    """Against all images of all pairs, of disks of many sizes that overlap, some periods apart; the largest reach nearly over half
+    a period."""
     rng = np.random.default_rng(7)
     low, number = np.array([-0.04, 0.9]), 250
-    disks = np.column_stack([low + rng.uniform(-2, 3, (number, 2)) * SIDE, np.where(rng.random(number) < 0.2, 0.043, 0.043 * 10 ** -rng.uniform(0, 1.5, number))])
+    disks = np.column_stack([low + rng.uniform(-2, 3, (number, 2)) * SIDE, np.where(rng.random(number) < 0.2, 0.043,
+        0.043 * 10 ** -rng.uniform(0, 1.5, number))])
     found, sizes = searched(freefem_text, tmp_path, disks, low, period, reach)
     off = [disks[:, None, axis] - disks[:, axis] for axis in (0, 1)]
     shift = [-length * np.round(a / length) if length else 0 * a for a, length in zip(off, period)]
@@ -239,8 +250,10 @@ def test_a_disk_is_no_pair_with_its_own_image(period, freefem_text, tmp_path):
 
 @pytest.mark.parametrize("turned", [0, 1])
 def test_the_shorter_of_two_periods_bounds_what_disks_may_be(turned):
-    """Radii of 0.2 and 0.06 fit into a period of 0.6 beside one of 2; in one of 0.4 the large one overlaps its image, in one of 0.5 they could meet over both sides."""
-    pair = Scene(np.array([[0.3, 0.3], [0.31, 0.02]])[:, ::1 - 2 * turned], np.array([0.2, 0.06]), np.ones(2), np.array([[0.1, 0.0], [0.0, 0.05]])[:, ::1 - 2 * turned])
+    """Radii of 0.2 and 0.06 fit into a period of 0.6 beside one of 2; in one of 0.4 the large one overlaps its image, in one of 0.5
+    they could meet over both sides."""
+    pair = Scene(np.array([[0.3, 0.3], [0.31, 0.02]])[:, ::1 - 2 * turned], np.array([0.2, 0.06]), np.ones(2),
+        np.array([[0.1, 0.0], [0.0, 0.05]])[:, ::1 - 2 * turned])
     for short, says in ((0.6, None), (0.5, "less than half of it"), (0.39, "overlaps its own image")):
         options = {"-period-x": 2.0 if turned else short, "-period-y": short if turned else 2.0}
         if says:

@@ -94,10 +94,12 @@ def test_a_mixture_of_100_to_1_is_solved():
 
 
 def lattice(across, kind, rough, seed=0, r=0.01):
-    """Rows of equal disks that touch all their neighbours but for a share `rough` of r, thrown down into a box or a wedge they fill."""
+    """Rows of equal disks that touch all their neighbours but for a share `rough` of r, thrown down into a box or a wedge they
+    fill."""
     rng = np.random.default_rng(seed)
     rows = range(across) if kind == "box" else range(4, across + 4)
-    x = np.array([[2 * k + m % 2 if kind == "box" else 2 * k - m + 1, 3**0.5 * j] for j, m in enumerate(rows) for k in range(across if kind == "box" else m)]) * r
+    x = np.array([[2 * k + m % 2 if kind == "box" else 2 * k - m + 1, 3**0.5 * j] for j, m in enumerate(rows)
+        for k in range(across if kind == "box" else m)]) * r
     x += rough * r * rng.standard_normal(x.shape)
     fits = min(r, 0.5 * min(np.hypot(*(x[k + 1:] - x[k]).T).min() for k in range(len(x) - 1)))
     out = np.array([[0, -1], [1, 0], [-1, 0]] if kind == "box" else [[0, -1], [0.75**0.5, -0.5], [-(0.75**0.5), -0.5]])
@@ -106,9 +108,11 @@ def lattice(across, kind, rough, seed=0, r=0.01):
     return Scene(x, fits * (1 - 1e-12), 1.0, velocity, walls)
 
 
-@pytest.mark.parametrize("across, kind, rough", [(7, "box", 1e-4), (7, "wedge", 0), (7, "wedge", 1e-10), (14, "box", 1e-8), (14, "wedge", 1e-6), (26, "wedge", 1e-4)])
+@pytest.mark.parametrize("across, kind, rough", [(7, "box", 1e-4), (7, "wedge", 0), (7, "wedge", 1e-10), (14, "box", 1e-8),
+    (14, "wedge", 1e-6), (26, "wedge", 1e-4)])
 def test_a_lattice_of_equal_disks_costs_few_factorisations(across, kind, rough):
-    """Its contacts are redundant, and what they ask for differs by the roughness: active sets alone turned in circles for 200,000 steps."""
+    """Its contacts are redundant, and what they ask for differs by the roughness: active sets alone turned in circles for 200,000
+    steps."""
     scene, dt = lattice(across, kind, rough), 0.01
     answer = project(scene, dt, 1e-10)
     rows, q = check_minimum(scene, answer, dt, 1e-10)
@@ -120,7 +124,8 @@ def test_a_lattice_of_equal_disks_costs_few_factorisations(across, kind, rough):
 
 @pytest.mark.parametrize("seed", [0, 5])
 def test_masses_of_one_to_ten_million_at_thirty_radii_a_step_are_solved(seed):
-    """Light disks that heavy ones drive before them: pushes are 1e7 times as long as what they leave, and are known to rounding of that. Two or three passes of about 40 factorisations."""
+    """Light disks that heavy ones drive before them: pushes are 1e7 times as long as what they leave, and are known to rounding of
+    that. Two or three passes of about 40 factorisations."""
     scene, dt = packing(50, "random", seed, filled=0.5), 0.01
     scene.mass = 10 ** np.random.default_rng(seed).uniform(-3.5, 3.5, 50)
     scene.velocity *= 40.0
@@ -136,7 +141,8 @@ def test_masses_of_one_to_ten_million_at_thirty_radii_a_step_are_solved(seed):
 
 @pytest.mark.parametrize("squeeze", [1e-5, 1e-7])
 def test_a_lattice_that_is_squeezed_by_little_is_said_to_have_no_room(squeeze):
-    """Its upper row is pushed down by so many radii. Below 1e-5 this was searched for a motion for 200,000 steps, which "did not converge"."""
+    """Its upper row is pushed down by so many radii. Below 1e-5 this was searched for a motion for 200,000 steps, which "did not
+    converge"."""
     scene, dt = lattice(5, "box", 0), 0.01
     scene.mass = 10 ** np.random.default_rng(1).uniform(-1.5, 1.5, len(scene.mass))
     top = scene.x[:, 1] > scene.x[:, 1].max() - 0.005
@@ -145,7 +151,8 @@ def test_a_lattice_that_is_squeezed_by_little_is_said_to_have_no_room(squeeze):
     rows = constraints(scene, scene.reach(dt) + 1e-6)
     matrix, d, weight, q0 = scaled(rows, scene, dt)
     bounds = [(q, q) if w == np.inf else (None, None) for q, w in zip(q0, weight)]
-    least = linprog(np.r_[np.zeros(len(q0)), 1], np.hstack([-matrix.toarray(), -np.ones((len(d), 1))]), d, bounds=[*bounds, (None, None)])
+    least = linprog(np.r_[np.zeros(len(q0)), 1], np.hstack([-matrix.toarray(), -np.ones((len(d), 1))]), d,
+        bounds=[*bounds, (None, None)])
     assert least.fun > 0.1 * squeeze  # the least of the largest overlaps, in radii, that any motion leaves
     with pytest.raises(BadInput, match="leave a body no room: no motion satisfies the contacts"):
         project(scene, dt, options={"-contact-maxit": 2000})

@@ -1,4 +1,5 @@
-"""Contacts of random scenes, many in one run: the conditions of the minimum, written apart from lib/; true gaps; mirrored, turned, moving along, other velocities."""
+"""Contacts of random scenes, many in one run: the conditions of the minimum, written apart from lib/; true gaps; mirrored, turned,
+moving along, other velocities."""
 import numpy as np
 import pytest
 
@@ -35,7 +36,8 @@ for (int k = 0; k < scenes; ++k) {
 
 
 class Bodies:
-    """x (N, 2), r, aspect, turn, mass, moment (N), motion (N, 3); walls (S, 4) and their velocities (S, 2); period along x, 0: none."""
+    """x (N, 2), r, aspect, turn, mass, moment (N), motion (N, 3); walls (S, 4) and their velocities (S, 2); period along x, 0:
+    none."""
 
     def __init__(self, x, r, mass, motion, walls, drift=None, period=0.0, aspect=1.0, turn=0.0):
         self.x, self.r, self.mass, self.motion, self.walls, self.period = x, r, mass, motion, walls, period
@@ -54,11 +56,13 @@ class Bodies:
         """The scene mirrored about x = 0, turned by a right angle, or seen from one who goes along."""
         if way == "along":
             off, speed = np.array([0.37, -0.21]), np.array([0.4, 0.3])
-            return Bodies(self.x + off, self.r, self.mass, self.motion + [*speed, 0], self.walls + np.tile(off, 2), self.drift + speed, self.period, self.aspect, self.turn)
+            return Bodies(self.x + off, self.r, self.mass, self.motion + [*speed, 0], self.walls + np.tile(off, 2),
+                self.drift + speed, self.period, self.aspect, self.turn)
         to = np.array([[-1, 0], [0, 1]]) if way == "mirrored" else np.array([[0, -1], [1, 0]])
         hand = round(np.linalg.det(to))
         x, walls = self.x @ to.T, np.hstack([self.walls[:, :2] @ to.T, self.walls[:, 2:] @ to.T])
-        return Bodies(x, self.r, self.mass, np.column_stack([self.motion[:, :2] @ to.T, hand * self.motion[:, 2]]), walls, self.drift @ to.T, self.period,
+        return Bodies(x, self.r, self.mass, np.column_stack([self.motion[:, :2] @ to.T, hand * self.motion[:, 2]]), walls,
+            self.drift @ to.T, self.period,
                       self.aspect, hand * self.turn + (np.pi / 2 if way == "turned" else 0))
 
     def back(self, way, motion):
@@ -98,7 +102,8 @@ def random_disks(rng, kind):
     r = 0.01 * most ** -rng.random(number) if kind != "lattice" else np.full(number, 0.01)
     side = 2.5 * r.max() + rng.choice([2.1, 2.5, 3.2]) * np.sqrt((r**2).sum())
     low, period = (side, 2.1 * side) if kind == "period" else (0, 0.0)
-    walls = np.array([[-low, 0, side + low, 0], [-low, side, side + low, side], [0, 0, 0, side], [side, 0, side, side]][:2 if period else 4])
+    walls = np.array([[-low, 0, side + low, 0], [-low, side, side + low, side], [0, 0, 0, side], [side, 0, side, side]][:2
+        if period else 4])
     if kind == "period":
         walls[:, 0], walls[:, 2] = 0, period
     wide = period or side
@@ -115,14 +120,16 @@ def random_disks(rng, kind):
                 new = x[j] + (r[k] + r[kept[j]]) * (1 + rng.choice([1e-13, 1e-9, 1e-5])) * np.array([np.cos(angle), np.sin(angle)])
             both = gaps(np.vstack([x, new]), r[[*kept, k]], walls, period)
             mine = (both[0] == len(kept)) | (both[1] == len(kept))
-            if both[2][mine].min() > 0 and (period or (r[k] < new).all() and (new < side - r[k]).all()) and r[k] < new[1] < side - r[k]:
+            if both[2][mine].min() > 0 and (period or (r[k] < new).all()
+                and (new < side - r[k]).all()) and r[k] < new[1] < side - r[k]:
                 kept.append(k)
                 x = np.vstack([x, new])
                 break
     r = r[kept]
     mass = np.pi * r**2 * (10 ** rng.uniform(-6, 0, len(r)) if kind == "masses" else 1)
     motion = np.zeros((len(r), 3))
-    motion[:, :2] = r.mean() / DT * 10 ** rng.uniform(-2, -0.5 if period else 0.5) * (rng.standard_normal((len(r), 2)) if rng.random() < 0.6 else np.array([0.0, -1.0]))
+    motion[:, :2] = r.mean() / DT * 10 ** rng.uniform(-2, -0.5 if period else 0.5) * (rng.standard_normal((len(r), 2))
+        if rng.random() < 0.6 else np.array([0.0, -1.0]))
     if rng.random() < 0.3:
         motion[rng.random(len(r)) < 0.8] = 0
     drift = np.zeros((len(walls), 2))
@@ -161,7 +168,8 @@ def answers(freefem_text, folder, scenes):
 
 
 def check_minimum(scene, motion, press):
-    """The conditions of the minimum over all pairs and walls, and true gaps after the move. Lengths in mean radii, masses in mean masses."""
+    """The conditions of the minimum over all pairs and walls, and true gaps after the move. Lengths in mean radii, masses in mean
+    masses."""
     i, j, gap, e = gaps(scene.x, scene.r, scene.walls, scene.period)
     length, n = scene.r.mean(), len(scene.r)
     matrix = np.zeros((len(i), 2 * n))
@@ -187,13 +195,16 @@ def check_minimum(scene, motion, press):
 
 
 def check_disks(freefem_text, folder, seeds):
-    """Scenes of all kinds with their images, each of them a minimum; and with other velocities: a projection brings none farther apart."""
+    """Scenes of all kinds with their images, each of them a minimum; and with other velocities: a projection brings none farther
+    apart."""
     kinds = ["sizes", "masses", "touching", "lattice", "held", "walls", "period"]
     scenes, all_scenes = [random_disks(np.random.default_rng(seed), kinds[seed % len(kinds)]) for seed in seeds], []
     for seed, scene in zip(seeds, scenes):
         other = Bodies(scene.x, scene.r, scene.mass, scene.motion.copy(), scene.walls, scene.drift, scene.period)
-        other.motion[scene.free, :2] += 0.2 * np.abs(scene.motion).max() * np.random.default_rng(seed).standard_normal((scene.free.sum(), 2))
-        all_scenes += [scene, other, scene.image("mirrored"), scene.image("along")] + ([] if scene.period else [scene.image("turned")])
+        other.motion[scene.free,
+            :2] += 0.2 * np.abs(scene.motion).max() * np.random.default_rng(seed).standard_normal((scene.free.sum(), 2))
+        all_scenes += [scene, other, scene.image("mirrored"), scene.image("along")] + ([] if scene.period
+            else [scene.image("turned")])
     found = iter(answers(freefem_text, folder, all_scenes))
     pressing = 0
     for seed, scene in zip(seeds, scenes):
@@ -212,7 +223,8 @@ def check_disks(freefem_text, folder, seeds):
 def check_ellipses(freefem_text, folder, seeds):
     """No outline enters another or a wall, the motion does not hang on how it is looked at, and nobody gains energy by much."""
     scenes = [random_ellipses(np.random.default_rng(seed)) for seed in seeds]
-    found = iter(answers(freefem_text, folder, [one for scene in scenes for one in (scene, *map(scene.image, ("mirrored", "along", "turned")))]))
+    found = iter(answers(freefem_text, folder, [one for scene in scenes
+        for one in (scene, *map(scene.image, ("mirrored", "along", "turned")))]))
     angles = np.linspace(0, 2 * np.pi, 721)
     for seed, scene in zip(seeds, scenes):
         motion = next(found)[0]
@@ -227,7 +239,8 @@ def check_ellipses(freefem_text, folder, seeds):
             for other in range(len(after)):
                 c, s = np.cos(after[other, 2]), np.sin(after[other, 2])
                 x, y = points - after[other, :2, None]
-                assert other == k or np.hypot((c * x + s * y) / scene.r[other], (c * y - s * x) / (scene.r * scene.aspect)[other]).min() > 1 - 1e-6, seed
+                assert other == k or np.hypot((c * x + s * y) / scene.r[other],
+                    (c * y - s * x) / (scene.r * scene.aspect)[other]).min() > 1 - 1e-6, seed
         assert scene.norm(motion) < 1.1 * scene.norm(scene.motion), seed
 
 

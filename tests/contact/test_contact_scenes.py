@@ -14,7 +14,8 @@ def contacts(freefem_text, tmp_path):
     """Runs a scene of contacts alone; returns its folder, or what a refused one says."""
 
     def run(bodies, walls="", *words, gravity=0, more="", name="run", check=True):
-        text = CONTACTS.format(bodies=bodies, walls=walls, gravity=gravity, more=more).replace('include "lib/contact/walls.idp"', 'include "lib/contact/walls.idp"\ninclude "lib/contact/periodic.idp"')
+        text = CONTACTS.format(bodies=bodies, walls=walls, gravity=gravity, more=more).replace('include "lib/contact/walls.idp"',
+            'include "lib/contact/walls.idp"\ninclude "lib/contact/periodic.idp"')
         done = freefem_text(text, *words, "-out", tmp_path / name, check=check)
         return tmp_path / name if check else done
 
@@ -22,20 +23,23 @@ def contacts(freefem_text, tmp_path):
 
 
 def test_overlaps_are_pushed_apart_as_if_the_walls_stood_still(contacts):
-    folder = contacts("bodyDisk(0.2, 0.09, 0.1, 1);", "contactWallSegment(-5, 0, 5, 0); contactWallVelocity(0, 0, 0.5);", "-contact-initial", "push", "-dt", 0.001, "-tend", 0.01)
+    folder = contacts("bodyDisk(0.2, 0.09, 0.1, 1);", "contactWallSegment(-5, 0, 5, 0); contactWallVelocity(0, 0, 0.5);",
+        "-contact-initial", "push", "-dt", 0.001, "-tend", 0.01)
     assert read_table(folder / "particles.csv")["y"][0] == pytest.approx(0.1, abs=1e-9)
 
 
 @pytest.mark.parametrize("off", [0, 0.02])
 def test_a_disk_rests_between_the_two_ends_of_a_wall_over_the_seam(contacts, off):
-    folder = contacts(f"bodyDisk({off}, 0.25, 0.15, 1000);", "contactWallSegment(0.1, 0, 0.9, 0); contactPeriodic(0, 0, 1, 0);", "-dt", 0.002, "-tend", 2, "-every", 1, gravity=-10)
+    folder = contacts(f"bodyDisk({off}, 0.25, 0.15, 1000);", "contactWallSegment(0.1, 0, 0.9, 0); contactPeriodic(0, 0, 1, 0);",
+        "-dt", 0.002, "-tend", 2, "-every", 1, gravity=-10)
     last = read_table(folder / "particles.csv")
     assert [last["x"][-1], last["y"][-1]] == pytest.approx([0, np.sqrt(0.15**2 - 0.1**2)], abs=1e-6)
 
 
 def test_a_slanted_wall_of_a_periodic_scene_moves_as_a_whole(contacts):
     """The wall is cut into pieces; its velocity is asked for under its own number."""
-    folder = contacts("bodyDisk(0.75, 0.5, 0.1, 1000);", "contactWallSegment(0.1, 0, 0.9, 0.3); contactPeriodic(0, 0, 1, 0);", "-dt", 0.005, "-tend", 0.5,
+    folder = contacts("bodyDisk(0.75, 0.5, 0.1, 1000);", "contactWallSegment(0.1, 0, 0.9, 0.3); contactPeriodic(0, 0, 1, 0);",
+        "-dt", 0.005, "-tend", 0.5,
                       more="macro caseStep() contactWallVelocity(0, 0, 1); // EOM")
     moves, disk = read_table(folder / "wallmoves.csv"), read_table(folder / "particles.csv")
     last = moves["t"] == moves["t"].max()
@@ -48,19 +52,23 @@ def test_a_slanted_wall_of_a_periodic_scene_moves_as_a_whole(contacts):
 @pytest.mark.parametrize("shift", [0, -0.5])
 def test_a_disk_in_an_obstacle_is_refused_over_the_seam_too(contacts, shift):
     corners = [(0.9 + shift, 0), (1.1 + shift, 0), (1.0 + shift, 0.2), (0.9 + shift, 0)]
-    walls = " ".join(f"contactWallSegment({a}, {b}, {c}, {d});" for (a, b), (c, d) in zip(corners, corners[1:])) + " contactPeriodic(0, 0, 1, 0);"
-    bodies = " ".join(f"bodyDisk({x + shift}, {y}, {r}, 1000);" for x, y, r in ((0.03, 0.05, 0.01), (0.5, 0.5, 0.1), (0.2, 0.5, 0.1)))
+    walls = " ".join(f"contactWallSegment({a}, {b}, {c}, {d});" for (a, b), (c, d) in zip(corners,
+        corners[1:])) + " contactPeriodic(0, 0, 1, 0);"
+    bodies = " ".join(f"bodyDisk({x + shift}, {y}, {r}, 1000);" for x, y, r in ((0.03, 0.05, 0.01), (0.5, 0.5, 0.1),
+        (0.2, 0.5, 0.1)))
     done = contacts(bodies, walls, "-tend", 0.01, check=False)
     assert done.returncode == 5 and "particle 0 stands inside an obstacle" in done.stderr
 
 
 def test_a_disk_wider_than_the_period_is_refused(contacts):
-    done = contacts("bodyDisk(0.5, 0.5, 0.6, 1);", "contactWallSegment(0, -1, 1, -1); contactPeriodic(0, 0, 1, 0);", "-tend", 0.01, check=False)
+    done = contacts("bodyDisk(0.5, 0.5, 0.6, 1);", "contactWallSegment(0, -1, 1, -1); contactPeriodic(0, 0, 1, 0);", "-tend", 0.01,
+        check=False)
     assert done.returncode == 5 and "overlaps its own image" in done.stderr and len(done.stderr.strip().splitlines()) == 1
 
 
 def test_held_disks_take_part_in_the_balance_and_rows_are_of_their_time(contacts):
-    folder = contacts("bodyAdd(0, 0, 0.1, 1000, 0, 0, 0, 0); bodyDisk(0, 0.25, 0.1, 1000);", "", "-dt", 0.001, "-tend", 0.3, gravity=-10)
+    folder = contacts("bodyAdd(0, 0, 0.1, 1000, 0, 0, 0, 0); bodyDisk(0, 0.25, 0.1, 1000);", "", "-dt", 0.001, "-tend", 0.3,
+        gravity=-10)
     motion, rows, disks = (read_table(folder / f"{name}.csv") for name in ("motion", "contacts", "particles"))
     assert np.abs(motion["momentum_error"]).max() < 1e-9 * np.abs(motion["momentum_y"]).max()
     top = {t: y for t, i, y in zip(disks["t"], disks["id"], disks["y"]) if i == 1}
@@ -76,7 +84,8 @@ def test_the_least_gap_is_a_bound_where_nobody_can_meet(contacts):
 
 
 def test_walls_that_move_are_written_after_a_restart(contacts, tmp_path):
-    scene = ("bodyDisk(0, 0.1, 0.1, 1000); bodyDisk(0, 0.3, 0.1, 1000);", "contactWallSegment(-1, 0, 1, 0); contactWallSegment(-1, -1, -1, 1);")
+    scene = ("bodyDisk(0, 0.1, 0.1, 1000); bodyDisk(0, 0.3, 0.1, 1000);", "contactWallSegment(-1, 0, 1, 0); "
+        "contactWallSegment(-1, -1, -1, 1);")
     words = ("-dt", 0.001, "-every", 0.01, "-checkpoint", 50)
     more = "macro caseStep() if (timeNow == 0) contactWallVelocity(0, 0, 0.2); // EOM"
     whole = contacts(*scene, *words, "-tend", 0.1, gravity=-10, more=more, name="whole")
@@ -92,7 +101,8 @@ def test_walls_that_move_are_written_after_a_restart(contacts, tmp_path):
 @pytest.mark.parametrize("number, status", [("0 ", 0), (" 0", 0), ("1e400", 3)])
 def test_blanks_are_no_fault_and_numbers_out_of_range_one(freefem, tmp_path, number, status):
     scene = Scene(np.array([[0.0, 0.0], [3.0, 0.0]]), np.array([0.5, 0.5]), np.ones(2), np.zeros((2, 2)), np.empty((0, 4)))
-    (tmp_path / "disks.csv").write_text("id,x,y,radius,mass,u,v\n" + "".join(f"{k},{x},{y},0.5,1,{number},-1\n" for k, (x, y) in enumerate(scene.x)))
+    (tmp_path / "disks.csv").write_text("id,x,y,radius,mass,u,v\n" + "".join(f"{k},{x},{y},0.5,1,{number},-1\n" for k,
+        (x, y) in enumerate(scene.x)))
     done = freefem("scripts/project_velocities.edp", "-bodies", tmp_path / "disks.csv", "-out", tmp_path / "out.csv", check=False)
     assert done.returncode == status
     if status:
@@ -105,7 +115,8 @@ def test_blanks_are_no_fault_and_numbers_out_of_range_one(freefem, tmp_path, num
 def test_a_wall_within_a_period_is_one_wall(contacts, gravity):
     """It is cut into pieces for the period; a disk that slides along it felt the joints (0.98 of its speed was left)."""
     wall = "contactWallSegment(0, 0, 0.8, 0);"
-    rows = [read_table(contacts("bodyAdd(0.2, 0.05, 0.05, 1000, 1, 0, 0, 1);", wall + period, "-dt", 0.01, "-tend", 0.5, gravity=gravity, name=name) / "particles.csv")
+    rows = [read_table(contacts("bodyAdd(0.2, 0.05, 0.05, 1000, 1, 0, 0, 1);", wall + period, "-dt", 0.01, "-tend", 0.5,
+        gravity=gravity, name=name) / "particles.csv")
             for name, period in (("alone", ""), ("period", " contactPeriodic(-0.5, 0, 2, 0);"))]
     for column in ("x", "y", "u", "v"):
         assert rows[1][column][-1] == pytest.approx(rows[0][column][-1], abs=1e-9)
@@ -114,7 +125,8 @@ def test_a_wall_within_a_period_is_one_wall(contacts, gravity):
 
 @pytest.mark.parametrize("bodies, walls", [
     ("bodyAdd(0, 0, 0.1, 1, 1, 0, 0, 0); bodyAdd(0.5, 0, 0.1, 1, -1, 0, 0, 0);", ""),
-    ("bodyAdd(0, 0, 0.1, 1, 0, 0, 0, 0); bodyAdd(0.5, 0.5, 0.1, 1, 0, 0, 0, 0);", "contactWallSegment(-1, -0.3, 1, -0.3); contactWallVelocity(0, 0, 1);"),
+    ("bodyAdd(0, 0, 0.1, 1, 0, 0, 0, 0); bodyAdd(0.5, 0.5, 0.1, 1, 0, 0, 0, 0);", "contactWallSegment(-1, -0.3, 1, -0.3); "
+        "contactWallVelocity(0, 0, 1);"),
 ])
 def test_held_disks_that_overlap_are_told_once(freefem_text, tmp_path, bodies, walls):
     """They went through each other without a word, and the least gap was that of the others."""
@@ -138,7 +150,8 @@ def test_the_least_gap_of_disks_that_are_all_held(freefem, tmp_path, speed, gap)
 @pytest.mark.parametrize("change", ["contactWallSegment(-1, 0.45, 1, 0.45);", "contactWallsKeep(1);"])
 def test_a_list_of_walls_that_changes_goes_on_from_a_checkpoint(contacts, tmp_path, change):
     """It was refused as made with other walls, or read into arrays of another size."""
-    scene = ("bodyDisk(0, 0.1, 0.1, 1000); bodyAdd(0, 0.31, 0.1, 1000, 0, 3, 0, 1);", "contactWallSegment(-1, 0, 1, 0); contactWallSegment(-1, 0.6, 1, 0.6);")
+    scene = ("bodyDisk(0, 0.1, 0.1, 1000); bodyAdd(0, 0.31, 0.1, 1000, 0, 3, 0, 1);", "contactWallSegment(-1, 0, 1, 0); "
+        "contactWallSegment(-1, 0.6, 1, 0.6);")
     words = ("-dt", 0.001, "-every", 0.01, "-checkpoint", 50)
     more = f"macro caseStep() if (driveStep == 20) {{ {change} }} // EOM"
     whole = contacts(*scene, *words, "-tend", 0.1, gravity=-10, more=more, name="whole")
@@ -153,7 +166,8 @@ def test_a_list_of_walls_that_changes_goes_on_from_a_checkpoint(contacts, tmp_pa
 
 def test_gravity_that_is_no_number_is_refused(contacts):
     """The step was blamed for it."""
-    done = contacts("bodyDisk(0.3, 0.5, 0.1, 1);", "contactWallSegment(0, 0, 1, 0);", "-tend", 0.01, gravity="1e300*1e300", check=False)
+    done = contacts("bodyDisk(0.3, 0.5, 0.1, 1);", "contactWallSegment(0, 0, 1, 0);", "-tend", 0.01, gravity="1e300*1e300",
+        check=False)
     assert done.returncode == 3 and "gravityY inf; both must be numbers" in done.stderr
 
 
@@ -165,11 +179,13 @@ def test_a_disk_without_weight_is_refused(contacts):
 def test_pictures_of_a_period_show_disks_within_it_and_over_its_seams(contacts):
     """The disks lie in a row over the seam; who has gone on by a period is drawn where its image is."""
     bodies = "bodyAdd(0.25, 0.1, 0.1, 1, 0, 0, 0, 1); bodyAdd(0.45, 0.1, 0.1, 1, 0, 0, 0, 1); bodyAdd(1.05, 0.1, 0.1, 1, 0, 0, 0, 1);"
-    folder = contacts(bodies, "contactWallSegment(0, 0, 1, 0); contactPeriodic(0, 0, 1, 0);", "-dt", 0.001, "-tend", 0.01, gravity=-1)
+    folder = contacts(bodies, "contactWallSegment(0, 0, 1, 0); contactPeriodic(0, 0, 1, 0);", "-dt", 0.001, "-tend", 0.01,
+        gravity=-1)
     run = ContactRun(folder)
     assert run.period == (1, 0) and run.view[:2] == (0, 1)
     shown = run.frame(len(run.times) - 1)
-    assert sorted(shown["x"]) == pytest.approx([0.05, 0.25, 0.45, 1.05], abs=1e-6) and len(shown["radius"]) == len(shown["speed"]) == 4
+    assert sorted(shown["x"]) == pytest.approx([0.05, 0.25, 0.45, 1.05],
+        abs=1e-6) and len(shown["radius"]) == len(shown["speed"]) == 4
     made = [plot_frames(run, folder / "frames.png"), plot_chains(run, folder / "chains.png"), make_film(run, folder)]
     assert all(path.stat().st_size > 5000 for path in made)
 
@@ -190,7 +206,8 @@ def free_disks(freefem_text, folder, bodies, gx, gy, *words):
 
 
 def test_held_disks_do_not_fall_along_x_either(freefem_text, tmp_path):
-    tracks = free_disks(freefem_text, tmp_path / "run", "bodyAdd(0, 0, 0.1, 1, 0, 0, 0, 0); bodyDisk(3, 0, 0.1, 1);", -2, 0, "-dt", 0.01, "-tend", 0.5)
+    tracks = free_disks(freefem_text, tmp_path / "run", "bodyAdd(0, 0, 0.1, 1, 0, 0, 0, 0); bodyDisk(3, 0, 0.1, 1);", -2, 0, "-dt",
+        0.01, "-tend", 0.5)
     assert abs(tracks[0]["x"]).max() == 0 and abs(tracks[0]["u"]).max() == 0
     assert tracks[1]["u"][-1] == pytest.approx(-1)
 
@@ -199,20 +216,23 @@ def test_held_disks_do_not_fall_along_x_either(freefem_text, tmp_path):
 def test_two_disks_that_fly_beside_each_other_do_not_touch(upper, freefem_text, tmp_path):
     """In free fall, a 500th of a diameter apart: each goes its parabola, whichever is named first."""
     bodies = ["bodyDisk(0, 0.2002, 0.1, 1);", "bodyDisk(0.001, 0, 0.1, 1);"]
-    tracks = free_disks(freefem_text, tmp_path / "run", bodies[upper] + bodies[1 - upper], 0, -9.81, "-dt", 0.01, "-tend", 0.5, "-contact-form", "ballistic")
+    tracks = free_disks(freefem_text, tmp_path / "run", bodies[upper] + bodies[1 - upper], 0, -9.81, "-dt", 0.01, "-tend", 0.5,
+        "-contact-form", "ballistic")
     for track in tracks.values():
         np.testing.assert_allclose(track["y"], track["y"][0] - 9.81 * track["t"] ** 2 / 2, atol=1e-12)
 
 
 def test_the_least_gap_is_that_between_the_rows_too(freefem_text, tmp_path):
     """A disk passes a held one by 0.001 while no row is written."""
-    free_disks(freefem_text, tmp_path / "run", "bodyAdd(0, 0, 0.1, 1, 0, 0, 0, 0); bodyAdd(-0.5, 0.201, 0.1, 1, 1, 0, 0, 1);", 0, 0, "-dt", 0.01, "-tend", 0.55, "-every", 1)
+    free_disks(freefem_text, tmp_path / "run", "bodyAdd(0, 0, 0.1, 1, 0, 0, 0, 0); bodyAdd(-0.5, 0.201, 0.1, 1, 1, 0, 0, 1);", 0,
+        0, "-dt", 0.01, "-tend", 0.55, "-every", 1)
     assert read_table(tmp_path / "run" / "motion.csv")["worst_gap"][-1] < 0.0015
 
 
 @pytest.mark.parametrize("solver", ["newton", "accelerated", "uzawa"])
 def test_a_piston_goes_down_till_the_disks_under_it_have_no_room(contacts, tmp_path, solver):
-    """Five in a shaft one and a half of their diameters wide: side by side in turn they need a height of 0.2 + 4 sqrt(0.03) m, which the piston passes in a step of 0.01 m."""
+    """Five in a shaft one and a half of their diameters wide: side by side in turn they need a height of 0.2 + 4 sqrt(0.03) m,
+    which the piston passes in a step of 0.01 m."""
     bodies = "for (int k = 0; k < 5; ++k) bodyDisk(0.1 + 0.1*(k % 2), 0.1 + 0.2*k, 0.1, 1);"
     walls = "contactWallSegment(0, 0, 0.3, 0); contactWallSegment(0, -1, 0, 3); contactWallSegment(0.3, -1, 0.3, 3); contactWallVelocity(contactWallSegment(0, 1.203, 0.3, 1.203), 0, -1);"
     done = contacts(bodies, walls, "-dt", 0.01, "-tend", 0.5, "-every", 0.01, "-contact-solver", solver, gravity=-10, check=False)
@@ -222,8 +242,10 @@ def test_a_piston_goes_down_till_the_disks_under_it_have_no_room(contacts, tmp_p
 
 
 def test_disks_of_many_sizes_and_weights_under_a_piston_jam_in_so_many_words(contacts):
-    """In their last step they lack less than a thousandth of a radius, which shows in how the pushes grow: the run ended with "did not converge" after 200,000 steps."""
-    places = [(0.125837, 0.13), (0.384978, 0.13), (0.633323, 0.13), (0.125368, 0.38), (0.380675, 0.38), (0.631093, 0.38), (0.125069, 0.63), (0.376791, 0.63), (0.626649, 0.63),
+    """In their last step they lack less than a thousandth of a radius, which shows in how the pushes grow: the run ended with "did
+    not converge" after 200,000 steps."""
+    places = [(0.125837, 0.13), (0.384978, 0.13), (0.633323, 0.13), (0.125368, 0.38), (0.380675, 0.38), (0.631093, 0.38),
+        (0.125069, 0.63), (0.376791, 0.63), (0.626649, 0.63),
               (0.129620, 0.88), (0.380670, 0.88), (0.629519, 0.88)]
     radii = [0.09964, 0.04384, 0.07058, 0.05622, 0.04678, 0.05743, 0.06042, 0.07527, 0.08746, 0.03681, 0.04903, 0.07462]
     weights = [6.6, 5.3, 0.34, 29, 3.2, 0.55, 0.032, 2.6, 0.11, 19, 0.47, 9.7]
@@ -235,25 +257,32 @@ def test_disks_of_many_sizes_and_weights_under_a_piston_jam_in_so_many_words(con
 
 def test_a_disk_let_go_at_rest_meets_the_floor_in_one_long_ballistic_step(contacts):
     """It is looked after as far as its weight brings it, not its velocity alone."""
-    folder = contacts("bodyDisk(0, 0.12, 0.1, 1);", "contactWallSegment(-1, 0, 1, 0);", "-dt", 0.1, "-tend", 0.1, "-contact-form", "ballistic", gravity=-10)
+    folder = contacts("bodyDisk(0, 0.12, 0.1, 1);", "contactWallSegment(-1, 0, 1, 0);", "-dt", 0.1, "-tend", 0.1, "-contact-form",
+        "ballistic", gravity=-10)
     assert read_table(folder / "particles.csv")["y"][-1] == pytest.approx(0.1, abs=1e-9)
 
 
 @pytest.mark.parametrize("along", [0, 1])
 def test_the_least_gap_of_a_ballistic_step_is_that_of_its_places(along, freefem_text, tmp_path):
-    """A disk falls past a held one, along either axis; what the weight does to its place in a step of 0.04 s is 0.08 of its radius."""
-    first, second = ("bodyAdd(-0.5, 0.215, 0.1, 1, 1, 0, 0, 1);", "bodyAdd(0.215, -0.5, 0.1, 1, 0, 1, 0, 1);")[along], "bodyAdd(0, 0, 0.1, 1, 0, 0, 0, 0);"
+    """A disk falls past a held one, along either axis; what the weight does to its place in a step of 0.04 s is 0.08 of its
+    radius."""
+    first, second = ("bodyAdd(-0.5, 0.215, 0.1, 1, 1, 0, 0, 1);",
+        "bodyAdd(0.215, -0.5, 0.1, 1, 0, 1, 0, 1);")[along], "bodyAdd(0, 0, 0.1, 1, 0, 0, 0, 0);"
     pull = ((10, 0), (0, 10))[along]
-    tracks = free_disks(freefem_text, tmp_path / "run", first + second, *pull, "-dt", 0.04, "-tend", 0.4, "-every", 0, "-contact-form", "ballistic")
+    tracks = free_disks(freefem_text, tmp_path / "run", first + second, *pull, "-dt", 0.04, "-tend", 0.4, "-every", 0,
+        "-contact-form", "ballistic")
     gap, told = np.hypot(tracks[0]["x"], tracks[0]["y"]) - 0.2, read_table(tmp_path / "run" / "motion.csv")["worst_gap"]
     nearest = gap.argmin()
     assert gap[nearest] < 0.04 and (told <= gap + 1e-9).all() and told[nearest] == pytest.approx(gap[nearest], abs=1e-9)
 
 
-@pytest.mark.parametrize("bodies, walls", [("bodyDisk(0, 0.1, 0.1, 1);", "contactWallSegment(-1, 0, 1, 0);"), ("bodyDisk(0, 0.1, 0.1, 1); bodyDisk(0, 0.4, 0.1, 1);", "contactWallSegment(-1, 0, 1, 0); contactWallSegment(-1, 0, -1, 1);")])
+@pytest.mark.parametrize("bodies, walls", [("bodyDisk(0, 0.1, 0.1, 1);", "contactWallSegment(-1, 0, 1, 0);"),
+    ("bodyDisk(0, 0.1, 0.1, 1); bodyDisk(0, 0.4, 0.1, 1);", "contactWallSegment(-1, 0, 1, 0); contactWallSegment(-1, 0, -1, 1);")])
 def test_a_checkpoint_of_other_disks_or_walls_is_refused(contacts, tmp_path, bodies, walls):
     """A scene that has been edited since: a disk less, or a wall more."""
     words = ("-dt", 0.01, "-checkpoint", 5)
-    contacts("bodyDisk(0, 0.1, 0.1, 1); bodyDisk(0, 0.4, 0.1, 1);", "contactWallSegment(-1, 0, 1, 0);", *words, "-tend", 0.1, gravity=-10)
+    contacts("bodyDisk(0, 0.1, 0.1, 1); bodyDisk(0, 0.4, 0.1, 1);", "contactWallSegment(-1, 0, 1, 0);", *words, "-tend", 0.1,
+        gravity=-10)
     done = contacts(bodies, walls, *words, "-tend", 0.2, "-restart", tmp_path / "run", gravity=-10, check=False)
-    assert done.returncode == 3 and "was made with other disks or walls" in done.stderr and len([line for line in done.stderr.splitlines() if line.startswith("error")]) == 1
+    assert done.returncode == 3 and "was made with other disks or walls" in done.stderr and len([line
+        for line in done.stderr.splitlines() if line.startswith("error")]) == 1

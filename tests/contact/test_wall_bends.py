@@ -1,4 +1,5 @@
-"""Curved walls made of many short segments (lib/contact/wall_bends.idp): what slides along them keeps its speed, and nothing is kept off where there is no wall."""
+"""Curved walls made of many short segments (lib/contact/wall_bends.idp): what slides along them keeps its speed, and nothing is
+kept off where there is no wall."""
 import numpy as np
 import pytest
 
@@ -20,8 +21,10 @@ include "scripts/contacts.edp"
 
 @pytest.mark.parametrize("count, move", [(2000, 0.02), (300, 0.01)])
 def test_a_disk_slides_round_a_ring(count, move, freefem_text, tmp_path):
-    """The projection onto the wall at the end of each move takes (move/R)^2 of the speed: 1/v^2 grows by 2 dt/R^2 t, R the radius of the centre's way. 17 and 5 % went on a radius before."""
-    freefem_text(RING.format(count=count, start=-0.9 + 1e-5 + (np.pi / count) ** 2), "-dt", move, "-tend", 1, "-out", tmp_path / "run")
+    """The projection onto the wall at the end of each move takes (move/R)^2 of the speed: 1/v^2 grows by 2 dt/R^2 t, R the radius
+    of the centre's way. 17 and 5 % went on a radius before."""
+    freefem_text(RING.format(count=count, start=-0.9 + 1e-5 + (np.pi / count) ** 2), "-dt", move, "-tend", 1, "-out",
+        tmp_path / "run")
     last = RunFolder(tmp_path / "run").particles
     x, y = last["x"][-1], last["y"][-1]
     assert np.hypot(last["u"][-1], last["v"][-1]) == pytest.approx((1 + 2 * move / 0.9**2) ** -0.5, abs=0.1 * move / 0.9**2 + 1e-5)
@@ -49,9 +52,11 @@ cout << "end " << sqrt(u[0]^2 + v[0]^2) << " " << (u[0]^2 + v[0]^2 + moment[0]*w
 @pytest.mark.parametrize("minor", [0.05, 0.1])
 @pytest.mark.parametrize("count, move", [(2000, 0.02), (300, 0.01)])
 def test_an_ellipse_slides_round_a_ring(count, move, minor, freefem_text, tmp_path):
-    """As a disk does (the second is one, in a run with ellipses); it turns with its way. 16 to 32 and 8 to 20 % of the energy went before."""
+    """As a disk does (the second is one, in a run with ellipses); it turns with its way. 16 to 32 and 8 to 20 % of the energy went
+    before."""
     done = freefem_text(ELLIPSE_RING.format(count=count, move=move, minor=minor))
-    speed, energy, place, askew = (float(word) for word in [line for line in done.stdout.splitlines() if line.startswith("end")][0].split()[1:])
+    speed, energy, place, askew = (float(word) for word in [line for line in done.stdout.splitlines()
+        if line.startswith("end")][0].split()[1:])
     slower = (1 + 2 * move / (1 - minor) ** 2) ** -0.5
     assert speed == pytest.approx(slower, abs=0.1 * move + 1e-5) and energy == pytest.approx(slower**2, abs=0.2 * move)
     assert place * np.cos(np.pi / count) < 1 - minor + 1e-9 and place > 1 - minor - 2e-3
@@ -79,7 +84,8 @@ def wavy(rng, seed):
     """Segments, in any order and direction, of a wavy line, closed for every third seed."""
     count = int(rng.integers(40, 200))
     phi = np.sort(rng.uniform(0, 2 * np.pi, count)) if seed % 2 else np.linspace(0, 2 * np.pi, count, endpoint=False)
-    radius = 1 + sum(a * np.cos(k * phi + rng.uniform(0, 7)) for k, a in ((2, 0.2), (5, 0.1 * rng.random()), (9, 0.05 * rng.random())))
+    radius = 1 + sum(a * np.cos(k * phi + rng.uniform(0, 7)) for k, a in ((2, 0.2), (5, 0.1 * rng.random()),
+        (9, 0.05 * rng.random())))
     x, y = radius * np.cos(phi), radius * np.sin(phi)
     ends = np.column_stack([x, y, np.roll(x, -1), np.roll(y, -1)])[: count - seed % 3]
     flip = rng.random(len(ends)) < 0.5
@@ -89,7 +95,8 @@ def wavy(rng, seed):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_a_disk_that_touches_nothing_has_no_negative_gap(seed, freefem_text, tmp_path):
-    """On either side of a wavy closed line with bumps narrower than the disks, and of an open one: gaps are never above the distance to the segment, and below 0 only for who overlaps a wall."""
+    """On either side of a wavy closed line with bumps narrower than the disks, and of an open one: gaps are never above the
+    distance to the segment, and below 0 only for who overlaps a wall."""
     rng = np.random.default_rng(seed)
     ends = wavy(rng, seed)
     px, py = rng.uniform(-1.6, 1.6, (2, 1500))
@@ -125,7 +132,8 @@ for (int k = contactPairs; k < contactN; ++k) g << contactI[k] << " " << -1 - co
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_an_ellipse_that_touches_nothing_has_no_negative_gap(seed, freefem_text, tmp_path):
-    """On either side of such lines: below 0 only for who overlaps a wall; never above the distance of the outline to the segment; below it where it is that to the line."""
+    """On either side of such lines: below 0 only for who overlaps a wall; never above the distance of the outline to the segment;
+    below it where it is that to the line."""
     rng = np.random.default_rng(seed)
     ends = wavy(rng, seed)
     n, some = 1500, 150
@@ -134,13 +142,16 @@ def test_an_ellipse_that_touches_nothing_has_no_negative_gap(seed, freefem_text,
     angles = np.linspace(0, 2 * np.pi, 180, endpoint=False)
     for k in range(n):
         c, s = np.cos(turn[k]), np.sin(turn[k])
-        own = [np.array([c * (x - px[k]) + s * (y - py[k]), (c * (y - py[k]) - s * (x - px[k])) / aspect[k]]).T for x, y in (ends[:, :2].T, ends[:, 2:].T)]
+        own = [np.array([c * (x - px[k]) + s * (y - py[k]), (c * (y - py[k]) - s * (x - px[k])) / aspect[k]]).T for x,
+            y in (ends[:, :2].T, ends[:, 2:].T)]
         size[k] = distances_to_segments(np.zeros(1), np.zeros(1), *own).min() * (1 - 1e-9)  # in axes in which it is a circle
         if k < some:
             ox, oy = size[k] * np.cos(angles), size[k] * aspect[k] * np.sin(angles)
-            distance.append(distances_to_segments(px[k] + c * ox - s * oy, py[k] + s * ox + c * oy, ends[:, :2], ends[:, 2:]).min(0))
+            distance.append(distances_to_segments(px[k] + c * ox - s * oy, py[k] + s * ox + c * oy, ends[:, :2],
+                ends[:, 2:]).min(0))
     write_walls(tmp_path / "walls.csv", ends)
-    (tmp_path / "bodies.txt").write_text(f"{n}\n" + "".join(" ".join(f"{value:.17g}" for value in row) + "\n" for row in zip(px, py, turn, size, aspect)))
+    (tmp_path / "bodies.txt").write_text(f"{n}\n" + "".join(" ".join(f"{value:.17g}" for value in row) + "\n"
+        for row in zip(px, py, turn, size, aspect)))
     freefem_text(ELLIPSE_GAPS.format(walls=tmp_path / "walls.csv", bodies=tmp_path / "bodies.txt", gaps=tmp_path / "gaps.txt"))
     found = np.loadtxt(tmp_path / "gaps.txt")
     body, wall, gap = found[:, 0].astype(int), found[:, 1].astype(int), found[:, 2]
@@ -158,7 +169,8 @@ def chain(*turns, lengths=(1.0, 0.9, 0.8, 0.7)):
     return np.array([np.concatenate(pair) for pair in zip(corners, corners[1:])])
 
 
-# (walls, speeds of the walls, centre and radius of a disk, whether its gap is that to the line of the first wall, beyond whose end it lies; else it is that to the end)
+# (walls, speeds of the walls, centre and radius of a disk, whether its gap is that to the line of the first wall, beyond whose end
+# it lies; else it is that to the end)
 STILL = [(0, 0)] * 4
 BENT = [
     (chain(0.3), STILL, (1.3, 0.5, 0.1), True),
@@ -176,11 +188,14 @@ BENT = [
     (chain(0.3, 0.3), STILL, (1 + 0.9 * np.cos(0.3) + 0.8 * np.cos(0.6) + 1e-3, 0.9, 0.1), False),
     (chain(0.3, -0.1), STILL, (1 + 0.9 * np.cos(0.3) + 0.1, 0.9, 0.1), False),  # it goes on the other way
     (chain(0.3, 0.0, 0.3), STILL, (1 + 1.7 * np.cos(0.3) + 0.1, 1.2, 0.1), True),  # straight on for a while
-    (chain(0.4, 0.4, 0.4), STILL, (1 + 0.9 * np.cos(0.4) + 0.8 * np.cos(0.8) + 0.1, 1.4, 0.1), False),  # more than one radian in all
+    # more than one radian in all
+    (chain(0.4, 0.4, 0.4), STILL, (1 + 0.9 * np.cos(0.4) + 0.8 * np.cos(0.8) + 0.1, 1.4, 0.1), False),
     (chain(0.4, lengths=(0.1, 0.9)), STILL, (0.2, 0.6, 0.48), True),
     (chain(0.4, lengths=(0.1, 0.9)), STILL, (0.2, 0.6, 0.51), False),  # too large for the bend: r tan(0.2) > 0.1
     (chain(0.3) + [[0, 0, 0, 0], [2e-6, 0, 0, 0]], STILL, (1.3, 0.5, 0.1), False),  # a slit
-    *((np.vstack([chain(0.3)[:1], *order]), STILL, (1.3, 0.5, 0.1), False) for fork in ([[1, 0, 1.1, -0.5]], [[1.1, -0.5, 1, 0]]) for order in ((chain(0.3)[1:], fork), (fork, chain(0.3)[1:]))),  # a fork
+    # a fork
+    *((np.vstack([chain(0.3)[:1], *order]), STILL, (1.3, 0.5, 0.1), False) for fork in ([[1, 0, 1.1, -0.5]], [[1.1, -0.5, 1, 0]])
+        for order in ((chain(0.3)[1:], fork), (fork, chain(0.3)[1:]))),
     (chain(0.0), STILL, (1.3, 0.5, 0.1), True),  # no bend: one straight wall in two pieces,
     (chain(0.0), [(0, 0), (0, 0.1)], (1.3, 0.5, 0.1), False),  # if they move as one
     (chain(1e-7), STILL, (1.3, 0.5, 0.1), True),
@@ -220,7 +235,8 @@ def turned_walls(freefem_text, file, scenes, more=""):
         count += len(walls)
         rows += [(*(wall[:2] + shift), *(wall[2:] + shift), *speed) for wall, speed in zip(walls, speeds)]
         disks.append((disk[0], disk[1] + 20.0 * k, disk[2]))
-    file.write_text(f"{len(rows)} {len(disks)}\n" + "".join(" ".join(f"{value:.17g}" for value in row) + "\n" for row in rows + disks))
+    file.write_text(f"{len(rows)} {len(disks)}\n" + "".join(" ".join(f"{value:.17g}" for value in row) + "\n"
+        for row in rows + disks))
     out = freefem_text(TURNS.format(file=file) + more).stdout
     told = [line.split() for line in out.splitlines()]
     gaps = {(int(line[1]), int(line[2])): float(line[3]) for line in told if line[:1] == ["gap"]}
@@ -234,7 +250,8 @@ def test_where_a_wall_goes_on_round_a_bend_the_gap_is_that_to_its_line(mirror, f
     scenes = []
     for walls, speeds, disk, line in BENT:
         walls = walls * ([1, -1, 1, -1] if mirror else 1)
-        scenes.append((walls[:, [2, 3, 0, 1]] if flip else walls, [(u, -v if mirror else v) for u, v in speeds], (disk[0], -disk[1] if mirror else disk[1], disk[2]), line))
+        scenes.append((walls[:, [2, 3, 0, 1]] if flip else walls, [(u, -v if mirror else v) for u, v in speeds],
+            (disk[0], -disk[1] if mirror else disk[1], disk[2]), line))
     found, _ = turned_walls(freefem_text, tmp_path / "walls.txt", scenes)
     for scene, gap in zip(BENT, found):
         (x, y, r), end = scene[2], scene[0][0, 2]
@@ -244,4 +261,5 @@ def test_where_a_wall_goes_on_round_a_bend_the_gap_is_that_to_its_line(mirror, f
 def test_bends_are_found_again_when_walls_or_their_speeds_change(freefem_text, tmp_path):
     first, later = turned_walls(freefem_text, tmp_path / "walls.txt", BENT[:1], AGAIN)
     end = np.hypot(0.3, 0.5) - 0.1
-    assert first[0] == pytest.approx(0.4) and [later[word] for word in ("moved", "still", "changed")] == pytest.approx([end, 0.4, end])
+    assert first[0] == pytest.approx(0.4) and [later[word] for word in ("moved", "still", "changed")] == pytest.approx([end, 0.4,
+        end])

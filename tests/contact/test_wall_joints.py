@@ -54,14 +54,18 @@ include "scripts/contacts.edp"
 @pytest.mark.parametrize("move", [0.04, 0.02, 0.01])
 @pytest.mark.parametrize("angle, far", [(0, 0), (0.37, 0), (0.37, 1e4)])
 def test_a_disk_slides_over_a_floor_in_pieces(move, angle, far, freefem_text, tmp_path):
-    """It kept 0.13, 0.36, 0.71 of its speed on pieces end to end; far: m from the origin. Floors lie above each other, each with a disk."""
+    """It kept 0.13, 0.36, 0.71 of its speed on pieces end to end; far: m from the origin. Floors lie above each other, each with a
+    disk."""
     turn = turned(angle)
     place = lambda x, y: turn @ (x, y) + far
-    walls = np.vstack([np.hstack([(floor[:, :2] + (0, 3 * k)) @ turn.T, (floor[:, 2:] + (0, 3 * k)) @ turn.T]) for k, floor in enumerate(FLOORS.values())]) + far
+    walls = np.vstack([np.hstack([(floor[:, :2] + (0, 3 * k)) @ turn.T, (floor[:, 2:] + (0, 3 * k)) @ turn.T]) for k,
+        floor in enumerate(FLOORS.values())]) + far
     write_walls(tmp_path / "walls.csv", walls)
-    bodies = "".join("bodyAdd({:.17g}, {:.17g}, 0.1, 1000, {:.17g}, {:.17g}, 0, 1); ".format(*place(0.5, 3 * k + 0.1 + 1e-8), *turn[:, 0]) for k in range(len(FLOORS)))
+    bodies = "".join("bodyAdd({:.17g}, {:.17g}, 0.1, 1000, {:.17g}, {:.17g}, 0, 1); ".format(*place(0.5, 3 * k + 0.1 + 1e-8),
+        *turn[:, 0]) for k in range(len(FLOORS)))
     gx, gy = turn @ (0, -9.81)
-    freefem_text(SLIDE.format(gx=gx, gy=gy, walls=tmp_path / "walls.csv", bodies=bodies, more=""), "-dt", move, "-tend", 4, "-every", 4, "-contact-overlap", 1e-6, "-out", tmp_path / "run")
+    freefem_text(SLIDE.format(gx=gx, gy=gy, walls=tmp_path / "walls.csv", bodies=bodies, more=""), "-dt", move, "-tend", 4,
+        "-every", 4, "-contact-overlap", 1e-6, "-out", tmp_path / "run")
     last = read_table(tmp_path / "run" / "particles.csv")
     last = {name: last[name][-len(FLOORS):] for name in ("u", "v", "x", "y")}
     along = last["u"] * turn[0, 0] + last["v"] * turn[1, 0]
@@ -71,7 +75,8 @@ def test_a_disk_slides_over_a_floor_in_pieces(move, angle, far, freefem_text, tm
 
 @pytest.mark.parametrize("start, bent", [(0, 0), (0.13, 0), (0, 1)])
 def test_a_floor_in_pieces_goes_on_across_a_periodic_side(start, bent, freefem_text, tmp_path):
-    """A disk goes three times round a period; bent: on a slope over two thirds of the period, level beyond, in pieces both, on which it slides by one piece."""
+    """A disk goes three times round a period; bent: on a slope over two thirds of the period, level beyond, in pieces both, on
+    which it slides by one piece."""
     floor = pieces(np.linspace(start, start + 1, 8))
     if bent:
         slope = np.array([[0.4 + 0.1 * k, 0.1 * k, 0.5 + 0.1 * k, 0.1 * k + 0.1] for k in range(6)])  # across the side x = 1
@@ -79,7 +84,8 @@ def test_a_floor_in_pieces_goes_on_across_a_periodic_side(start, bent, freefem_t
     write_walls(tmp_path / "walls.csv", floor)
     body = "bodyAdd(0.5 - 0.1*sqrt(.5), 0.1 + 0.1*sqrt(.5) + 1e-9, 0.1, 1000, sqrt(.5), sqrt(.5), 0, 1);" if bent else "bodyAdd(0.5, 0.1 + 1e-9, 0.1, 1000, 1, 0, 0, 1);"
     gx, gy = (5, -5) if bent else (0, -10)
-    freefem_text(SLIDE.format(gx=gx, gy=gy, walls=tmp_path / "walls.csv", bodies=body, more="contactPeriodic(0, -1, 1, 0);"), "-dt", 0.01, "-tend", 0.6 if bent else 3, "-every", 4, "-out", tmp_path / "run")
+    freefem_text(SLIDE.format(gx=gx, gy=gy, walls=tmp_path / "walls.csv", bodies=body, more="contactPeriodic(0, -1, 1, 0);"),
+        "-dt", 0.01, "-tend", 0.6 if bent else 3, "-every", 4, "-out", tmp_path / "run")
     last = RunFolder(tmp_path / "run").particles
     assert np.hypot(last["u"][-1], last["v"][-1]) == pytest.approx(1, abs=1e-6)
 
@@ -113,7 +119,8 @@ def test_ellipses_slide_over_floors_in_pieces(periodic, freefem_text, tmp_path):
     """In a period also on a wall of 0.8 of it, which is cut."""
     floors = [pieces(np.linspace(0, 2.5, 9)), np.array([[0.2, 0, 2.2, 0]])] if periodic else [*FLOORS.values()]
     write_walls(tmp_path / "walls.csv", np.vstack([floor + (0, 3 * k, 0, 3 * k) for k, floor in enumerate(floors)]))
-    text = ELLIPSES.format(walls=tmp_path / "walls.csv", count=len(floors), steps=70 if periodic else 150, more="contactPeriodic(0, 0, 2.5, 0);" if periodic else "")
+    text = ELLIPSES.format(walls=tmp_path / "walls.csv", count=len(floors), steps=70 if periodic else 150,
+        more="contactPeriodic(0, 0, 2.5, 0);" if periodic else "")
     ends = rows(freefem_text(text).stdout, "end")
     way = 1.4 if periodic else 3
     assert ends == pytest.approx(np.tile([1, 0.5 + way, 0], (len(floors), 1)), abs=2e-6)
@@ -121,11 +128,13 @@ def test_ellipses_slide_over_floors_in_pieces(periodic, freefem_text, tmp_path):
 
 def test_a_floor_in_pieces_projects_velocities_as_one(freefem, tmp_path):
     """A disk above the middle of a piece flies along the floor over three others."""
-    (tmp_path / "bodies.csv").write_text("id,x,y,radius,mass,u,v\n" + "".join(f"{k},{0.9 + 0.4 * k},{0.1 + 1e-9},0.1,1,{0.7 + 0.1 * k},-0.5\n" for k in range(5)))
+    (tmp_path / "bodies.csv").write_text("id,x,y,radius,mass,u,v\n"
+        + "".join(f"{k},{0.9 + 0.4 * k},{0.1 + 1e-9},0.1,1,{0.7 + 0.1 * k},-0.5\n" for k in range(5)))
     write_walls(tmp_path / "pieces.csv", scattered(FLOORS["nearly end to end"]))
     write_walls(tmp_path / "one.csv", [[0, 0, 8, 0]])
     for name in ("pieces", "one"):
-        freefem("scripts/project_velocities.edp", "-bodies", tmp_path / "bodies.csv", "-walls", tmp_path / f"{name}.csv", "-dt", 0.9, "-contact-overlap", 1e-6, "-out", tmp_path / f"{name}_projected.csv")
+        freefem("scripts/project_velocities.edp", "-bodies", tmp_path / "bodies.csv", "-walls", tmp_path / f"{name}.csv", "-dt",
+            0.9, "-contact-overlap", 1e-6, "-out", tmp_path / f"{name}_projected.csv")
     found, right = (read_table(tmp_path / f"{name}_projected.csv") for name in ("pieces", "one"))
     assert found["u"] == pytest.approx(right["u"], abs=1e-7) and found["v"] == pytest.approx(right["v"], abs=1e-7)
 
@@ -133,7 +142,8 @@ def test_a_floor_in_pieces_projects_velocities_as_one(freefem, tmp_path):
 def test_a_contact_is_written_with_the_piece_that_it_is_on(freefem_text, tmp_path):
     write_walls(tmp_path / "walls.csv", np.vstack([pieces([0, 1, 2, 3]), [[0, 0, 0, 1]]]))
     bodies = " ".join(f"bodyDisk({x}, 0.1, 0.1, 1000);" for x in (0.5, 1.5, 2.5))
-    freefem_text(SLIDE.format(gx=0, gy=-1, walls=tmp_path / "walls.csv", bodies=bodies, more=""), "-dt", 0.01, "-tend", 0.02, "-every", 0, "-out", tmp_path / "run")
+    freefem_text(SLIDE.format(gx=0, gy=-1, walls=tmp_path / "walls.csv", bodies=bodies, more=""), "-dt", 0.01, "-tend", 0.02,
+        "-every", 0, "-out", tmp_path / "run")
     contacts, walls = read_table(tmp_path / "run" / "contacts.csv"), read_table(tmp_path / "run" / "walls.csv")
     assert contacts["i"].tolist() == [0, 1, 2] * 2 and contacts["j"].tolist() == [-1, -2, -3] * 2
     assert walls["x1"].tolist() == [0, 1, 2, 0]
@@ -150,16 +160,20 @@ SCENE = CONTACTS.replace("{more}", GATE.replace("{{", "{").replace("}}", "}").re
 
 
 def test_a_piece_that_moves_is_a_wall_of_its_own(freefem_text, tmp_path):
-    """The second of three pieces of a floor goes down and comes back with its disk; then two disks slide over all three, after a restart too."""
+    """The second of three pieces of a floor goes down and comes back with its disk; then two disks slide over all three, after a
+    restart too."""
     bodies = "bodyDisk(1.5, 0.1, 0.1, 1000); bodyAdd(-5, 0.1, 0.1, 1000, 10, 0, 0, 1); bodyDisk(8, 0.1, 0.1, 1000);"
-    text = SCENE.format(bodies=bodies, walls="contactWallSegment(-6, 0, 1, 0); contactWallSegment(1, 0, 2, 0); contactWallSegment(2, 0, 9, 0);", gravity=-10)
+    text = SCENE.format(bodies=bodies, walls="contactWallSegment(-6, 0, 1, 0); contactWallSegment(1, 0, 2, 0); "
+        "contactWallSegment(2, 0, 9, 0);", gravity=-10)
     text = text.replace("caseStep() {", "caseStep() { if (driveStep == 32) driveU[0] = 10;")
     words = ("-dt", 0.01, "-every", 0, "-contact-tol", 1e-12)
     freefem_text(text, *words, "-tend", 0.75, "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run").particles
     first, second = [{name: run[name][run["id"] == k] for name in ("x", "y", "u")} for k in (0, 1)]
-    assert first["y"][20] == pytest.approx(0.045, abs=1e-6) and first["y"][30] == pytest.approx(0.1, abs=1e-6)  # in free fall, and carried
-    assert first["y"][-1] == pytest.approx(0.1, abs=1e-6) and first["u"][-1] == pytest.approx(10, abs=1e-6) and second["u"][-1] == pytest.approx(10, abs=1e-6)
+    # in free fall, and carried
+    assert first["y"][20] == pytest.approx(0.045, abs=1e-6) and first["y"][30] == pytest.approx(0.1, abs=1e-6)
+    assert first["y"][-1] == pytest.approx(0.1, abs=1e-6) and first["u"][-1] == pytest.approx(10,
+        abs=1e-6) and second["u"][-1] == pytest.approx(10, abs=1e-6)
     assert first["x"][-1] > 5 and second["x"][-1] > 2.4  # over both joints
     freefem_text(text, *words, "-tend", 0.75, "-checkpoint", 25, "-maxwall", 1e-3, "-out", tmp_path / "half")
     for _ in range(40):
@@ -179,14 +193,18 @@ cout << "made " << made << endl;
 
 
 def write_strip(file, along, across, turn, figures, origin=(0.0, 0.0)):
-    """A strip of so many squares along and across, from (0, 0) to (along/10, across/10), turned; coordinates with so many significant digits."""
+    """A strip of so many squares along and across, from (0, 0) to (along/10, across/10), turned; coordinates with so many
+    significant digits."""
     x, y = np.meshgrid(np.arange(along + 1) / 10, np.arange(across + 1) / 10)
     points = np.c_[x.ravel(), y.ravel()] @ turned(turn).T + origin
     at = lambda i, j: j * (along + 1) + i + 1
-    triangles = [(*t, 0) for i in range(along) for j in range(across) for t in ((at(i, j), at(i + 1, j), at(i + 1, j + 1)), (at(i, j), at(i + 1, j + 1), at(i, j + 1)))]
-    edges = [(at(i, j), at(i + 1, j), 1 + 2 * (j > 0)) for i in range(along) for j in (0, across)] + [(at(i, j), at(i, j + 1), 4 - 2 * (i > 0)) for j in range(across) for i in (0, along)]
+    triangles = [(*t, 0) for i in range(along) for j in range(across) for t in ((at(i, j), at(i + 1, j), at(i + 1, j + 1)),
+        (at(i, j), at(i + 1, j + 1), at(i, j + 1)))]
+    edges = [(at(i, j), at(i + 1, j), 1 + 2 * (j > 0)) for i in range(along) for j in (0, across)] + [(at(i, j), at(i, j + 1),
+        4 - 2 * (i > 0)) for j in range(across) for i in (0, along)]
     block = lambda name, lines: f"{name}\n{len(lines)}\n" + "".join(" ".join(map(str, line)) + "\n" for line in lines)
-    file.write_text("MeshVersionFormatted 2\nDimension 2\n" + block("Vertices", [(f"{a:.{figures}g}", f"{b:.{figures}g}", 0) for a, b in points]) + block("Edges", edges) + block("Triangles", triangles) + "End\n")
+    file.write_text("MeshVersionFormatted 2\nDimension 2\n" + block("Vertices", [(f"{a:.{figures}g}", f"{b:.{figures}g}", 0) for a,
+        b in points]) + block("Edges", edges) + block("Triangles", triangles) + "End\n")
 
 
 @pytest.mark.parametrize("figures", [5, 6, 9, 16])
@@ -202,9 +220,11 @@ def test_walls_of_a_mesh_with_few_digits_are_straight(turn, origin, figures, fre
     t = (second - first) / np.hypot(*(second - first))
     at = lambda x, y: first + np.array([t, (-t[1], t[0])]).T @ (x, y)
     body = "bodyAdd({:.17g}, {:.17g}, 0.1, 1000, {:.17g}, {:.17g}, 0, 1);".format(*at(0.5, 0.1 + 1e-8), *t)
-    freefem_text(SLIDE.format(gx=9.81 * t[1], gy=-9.81 * t[0], walls=tmp_path / "walls.csv", bodies=body, more=""), "-dt", 0.02, "-tend", 5, "-every", 5, "-out", tmp_path / "run")
+    freefem_text(SLIDE.format(gx=9.81 * t[1], gy=-9.81 * t[0], walls=tmp_path / "walls.csv", bodies=body, more=""), "-dt", 0.02,
+        "-tend", 5, "-every", 5, "-out", tmp_path / "run")
     last = RunFolder(tmp_path / "run").particles
-    assert t @ (last["x"][-1] - first[0], last["y"][-1] - first[1]) == pytest.approx(5.5, abs=5e-6) and t @ (last["u"][-1], last["v"][-1]) == pytest.approx(1, abs=1e-6)
+    assert t @ (last["x"][-1] - first[0], last["y"][-1] - first[1]) == pytest.approx(5.5, abs=5e-6) and t @ (last["u"][-1],
+        last["v"][-1]) == pytest.approx(1, abs=1e-6)
 
 
 @pytest.mark.parametrize("figures", [5, 6, 16])
@@ -212,8 +232,11 @@ def test_curved_walls_of_a_mesh_with_few_digits_keep_their_corners(figures, free
     """A ring of 400 edges, and a bump of 1 % of a side's length."""
     angle = 2 * np.pi * np.arange(400) / 400
     points = np.vstack([np.c_[np.cos(angle), np.sin(angle)], 0.5 * np.c_[np.cos(angle), np.sin(angle)]])
-    triangles = [(*t, 0) for k in range(400) for t in ((k + 1, (k + 1) % 400 + 1, k + 401), ((k + 1) % 400 + 1, (k + 1) % 400 + 401, k + 401))]
+    triangles = [(*t, 0) for k in range(400) for t in ((k + 1, (k + 1) % 400 + 1, k + 401), ((k + 1) % 400 + 1,
+        (k + 1) % 400 + 401, k + 401))]
     edges = [(k + 1, (k + 1) % 400 + 1, 1) for k in range(400)] + [(k + 401, (k + 1) % 400 + 401, 2) for k in range(400)]
     block = lambda name, lines: f"{name}\n{len(lines)}\n" + "".join(" ".join(map(str, line)) + "\n" for line in lines)
-    (tmp_path / "ring.mesh").write_text("MeshVersionFormatted 2\nDimension 2\n" + block("Vertices", [(f"{a:.{figures}g}", f"{b:.{figures}g}", 0) for a, b in points]) + block("Edges", edges) + block("Triangles", triangles) + "End\n")
+    (tmp_path / "ring.mesh").write_text("MeshVersionFormatted 2\nDimension 2\n" + block("Vertices",
+        [(f"{a:.{figures}g}", f"{b:.{figures}g}", 0) for a, b in points]) + block("Edges", edges) + block("Triangles", triangles)
+            + "End\n")
     assert "made 800\n" in freefem_text(STRIP.format(file=tmp_path / "ring.mesh", walls=tmp_path / "walls.csv")).stdout

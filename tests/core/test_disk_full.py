@@ -26,11 +26,14 @@ include "scripts/contacts.edp"
 
 
 def leaves(folder, where, full):
-    """Runs the crowd in where/run; full: the shell command that takes the room. A file that may not grow is told by an error, not by a signal."""
-    text = case("{ " + CROWD + " }", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", gravity=0, more=f'macro boundaryU() (y*(1 - y))^0.25 // EOM\nmacro caseStep() if (driveStep == 3) exec("{full}"); // EOM')
+    """Runs the crowd in where/run; full: the shell command that takes the room. A file that may not grow is told by an error, not
+    by a signal."""
+    text = case("{ " + CROWD + " }", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", gravity=0,
+        more=f'macro boundaryU() (y*(1 - y))^0.25 // EOM\nmacro caseStep() if (driveStep == 3) exec("{full}"); // EOM')
     (folder / "scene.edp").write_text(text)
     words = ["-dt", 0.02, "-every", 9, "-tend", 2, "-out", where / "run"]
-    return subprocess.run([FREEFEM, "-nw", *map(str, [folder / "scene.edp", *words])], cwd=ROOT, env=os.environ | {"OPENBLAS_NUM_THREADS": "1"}, capture_output=True, text=True, errors="replace",
+    return subprocess.run([FREEFEM, "-nw", *map(str, [folder / "scene.edp", *words])], cwd=ROOT,
+        env=os.environ | {"OPENBLAS_NUM_THREADS": "1"}, capture_output=True, text=True, errors="replace",
                           timeout=120, preexec_fn=lambda: signal.signal(signal.SIGXFSZ, signal.SIG_IGN))
 
 
@@ -80,10 +83,12 @@ def test_projected_velocities_that_do_not_fit_are_told(more, tmp_path):
 
 def test_results_of_a_steady_flow_that_do_not_fit_are_told(tmp_path):
     """The run ended as finished, without its numbers."""
-    scene = (ROOT / "cases/cylinder_steady.edp").read_text().replace("macro caseResult() {", 'macro caseResult() {\n    exec("prlimit --pid $PPID --fsize=150");')
+    scene = (ROOT / "cases/cylinder_steady.edp").read_text().replace("macro caseResult() {", 'macro caseResult() {\n    '
+        'exec("prlimit --pid $PPID --fsize=150");')
     assert "prlimit" in scene
     (tmp_path / "scene.edp").write_text(scene)
-    done = subprocess.run([FREEFEM, "-nw", tmp_path / "scene.edp", "-out", tmp_path / "run"], cwd=ROOT, env=os.environ | {"OPENBLAS_NUM_THREADS": "1"}, capture_output=True, text=True,
+    done = subprocess.run([FREEFEM, "-nw", tmp_path / "scene.edp", "-out", tmp_path / "run"], cwd=ROOT,
+        env=os.environ | {"OPENBLAS_NUM_THREADS": "1"}, capture_output=True, text=True,
                           timeout=120, preexec_fn=lambda: signal.signal(signal.SIGXFSZ, signal.SIG_IGN))
     assert done.returncode == 4 and "results.csv (is the disk full?)" in done.stderr
     assert_whole_rows(tmp_path / "run/results.csv")

@@ -51,7 +51,8 @@ def test_a_full_disk_at_a_checkpoint_loses_nothing(box, tmp_path):
     scene = [*SETTLING, "-mesh", box[0], "-checkpoint", "10", "-tend", "0.2"]
     run_freefem(*scene, "-out", tmp_path / "unbroken")
     folder = tmp_path / "run"
-    killed = subprocess.Popen([FREEFEM, "-nw", *map(str, scene), "-out", str(folder)], cwd=ROOT, stdout=subprocess.DEVNULL, env=os.environ | {"OPENBLAS_NUM_THREADS": "1"})
+    killed = subprocess.Popen([FREEFEM, "-nw", *map(str, scene), "-out", str(folder)], cwd=ROOT, stdout=subprocess.DEVNULL,
+        env=os.environ | {"OPENBLAS_NUM_THREADS": "1"})
     deadline = time.time() + 60
     while not (folder / "restart_000000020.sha").exists():
         assert killed.poll() is None and time.time() < deadline, "the run ended before it could be killed"
@@ -68,7 +69,8 @@ def test_a_full_disk_at_a_checkpoint_loses_nothing(box, tmp_path):
 
 
 def test_fields_that_do_not_fit_are_not_left_half_written(box, tmp_path):
-    done = run_limited(*SETTLING, "-mesh", box[0], "-tend", "0.01", "-fields", "0.002", "-out", tmp_path / "run", most=len(box[1]) + 1000)
+    done = run_limited(*SETTLING, "-mesh", box[0], "-tend", "0.01", "-fields", "0.002", "-out", tmp_path / "run", most=len(box[1])
+        + 1000)
     assert_refused(done, (4,), "fields_0000000.vtu")
     assert not list((tmp_path / "run").glob("*.vtu"))
 
@@ -162,7 +164,8 @@ def test_a_mesh_that_does_not_fit_together_is_refused(box, right, wrong, says, t
 
 def test_a_file_name_never_reaches_the_shell_unread(tmp_path):
     for option in ("-bodies", "-walls"):
-        assert_refused(run_limited("scripts/project_velocities.edp", option, "'|", "-out", tmp_path / "out.csv"), (3,), "contains characters other than")
+        assert_refused(run_limited("scripts/project_velocities.edp", option, "'|", "-out", tmp_path / "out.csv"), (3,),
+            "contains characters other than")
 
 
 @pytest.mark.parametrize("text, says", [
@@ -178,7 +181,8 @@ def test_a_file_name_never_reaches_the_shell_unread(tmp_path):
 ], ids=["nan", "inf", "radius", "density", "short row", "id", "velocity", "binary", "empty"])
 def test_a_damaged_file_of_particles_is_refused(box, text, says, tmp_path):
     (tmp_path / "bad.csv").write_text(text)
-    assert_refused(run_limited(*SETTLING, "-mesh", box[0], "-particles", tmp_path / "bad.csv", "-out", tmp_path / "run"), (3,), says)
+    assert_refused(run_limited(*SETTLING, "-mesh", box[0], "-particles", tmp_path / "bad.csv", "-out", tmp_path / "run"), (3,),
+        says)
 
 
 def test_a_field_that_is_not_finite_stops_the_run(box, tmp_path):
@@ -219,9 +223,11 @@ DRIVERS = {
     "projection": ["scripts/project_velocities.edp"],
 }
 NONSENSE = st.one_of(
-    st.sampled_from(["", "abc", "nan", "-inf", "1e", "0", "-1", "0.5", "1e300", "-1e300", "1e-300", "1e99", "9" * 30, "1,5", "0x10", "/", "/dev/null",
+    st.sampled_from(["", "abc", "nan", "-inf", "1e", "0", "-1", "0.5", "1e300", "-1e300", "1e-300", "1e99", "9" * 30, "1,5",
+        "0x10", "/", "/dev/null",
                      "/nonexistent/x", ".", "a b", "$(id)", "'", ";true", "é", "-dt", "--help", "|", "x" * 5000]),
-    st.floats(allow_nan=False, width=32).map(repr), st.integers(-10**6, 10**6).map(str), st.text(st.characters(codec="ascii", min_codepoint=32), max_size=8))
+    st.floats(allow_nan=False, width=32).map(repr), st.integers(-10**6, 10**6).map(str),
+        st.text(st.characters(codec="ascii", min_codepoint=32), max_size=8))
 ABANDONED = 20  # s; a command line that was accepted and asks for more work than that is no fault
 
 
@@ -234,7 +240,8 @@ def options_of(driver):
 
 def check_nonsense(driver, data, box, folder):
     names = options_of(driver)
-    option, value = data.draw(st.sampled_from([name for name in names if name not in ("-help", "-out", "-overwrite")])), data.draw(NONSENSE)
+    option, value = data.draw(st.sampled_from([name for name in names if name not in ("-help", "-out",
+        "-overwrite")])), data.draw(NONSENSE)
     words = list(DRIVERS[driver])
     if driver == "resolved" and option != "-mesh":
         words += ["-mesh", str(box[0])]
@@ -259,7 +266,8 @@ def check_nonsense(driver, data, box, folder):
 
 
 def fuzz(examples):
-    return lambda test: settings(max_examples=examples, deadline=None, derandomize=examples < 20, database=None, suppress_health_check=list(HealthCheck))(
+    return lambda test: settings(max_examples=examples, deadline=None, derandomize=examples < 20, database=None,
+        suppress_health_check=list(HealthCheck))(
         given(data=st.data())(test))
 
 

@@ -1,4 +1,5 @@
-"""The solver of the velocity: solutions against LU factors, directions against a NumPy twin, steps against the best possible ones."""
+"""The solver of the velocity: solutions against LU factors, directions against a NumPy twin, steps against the best possible
+ones."""
 import numpy as np
 import pytest
 import scipy.sparse as sparse
@@ -38,7 +39,8 @@ def flow_matrix(cells, viscosity, speed):
     """Inertia, viscosity and skew-symmetric convection on a square of cells by finite differences, unevenly scaled."""
     one, line = sparse.identity(cells), sparse.diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(cells, cells))
     turn = sparse.diags([-1.0, 1.0], [-1, 1], shape=(cells, cells))
-    A = sparse.kron(one, one) + viscosity * (sparse.kron(line, one) + sparse.kron(one, line)) + speed * (sparse.kron(turn, one) - 0.7 * sparse.kron(one, turn))
+    A = sparse.kron(one, one) + viscosity * (sparse.kron(line, one) + sparse.kron(one, line)) + speed * (sparse.kron(turn, one)
+        - 0.7 * sparse.kron(one, turn))
     scale = sparse.diags(np.exp(np.sin(np.arange(cells**2))))
     return (scale @ A @ scale).tocsr()
 
@@ -53,7 +55,8 @@ def solve(freefem_text, folder, A, b, x, inverse, size=0.0, tolerance=1e-8, most
     path = folder / "system.txt"
     path.write_text(triples(A) + (triples(correction) if correction is not None else "0\n")
                     + "".join(f"{p!r} {q!r} {w!r}\n" for p, q, w in zip(b.tolist(), x.tolist(), inverse.tolist())))
-    out = freefem_text(SOLVE.format(n=A.shape[0], path=path, size=size, tolerance=tolerance, most=most, corrects=int(correction is not None))).stdout
+    out = freefem_text(SOLVE.format(n=A.shape[0], path=path, size=size, tolerance=tolerance, most=most,
+        corrects=int(correction is not None))).stdout
     lines = [line.split() for line in out.splitlines()]
     head = next(words[1:] for words in lines if words[:1] == ["used"])
     table = np.array([[float(v) for v in words[1:]] for words in lines if words[:1] == ["x"]])
@@ -77,7 +80,8 @@ def orthomin(A, r, inverse, goal, most, correction=None):
 
 
 def best(A, r, inverse, many):
-    """The least weighted residual, squared, in the Krylov space of so many applications, by least squares in an orthonormal basis."""
+    """The least weighted residual, squared, in the Krylov space of so many applications, by least squares in an orthonormal
+    basis."""
     root = np.sqrt(inverse)
     B, c = sparse.diags(root) @ A @ sparse.diags(root), root * r
     space = [c / np.linalg.norm(c)]
@@ -93,7 +97,8 @@ def best(A, r, inverse, many):
 
 @pytest.mark.parametrize("viscosity, speed, most", [(0.0, 0.0, 1.0), (0.2, 0.3, 1.05), (5.0, 0.3, 1.2), (0.02, 2.0, 1.7)])
 def test_the_solution_and_the_way_to_it(freefem_text, tmp_path, viscosity, speed, most):
-    """Against LU factors; as many applications as the twin, at most `most` times those of the best in the Krylov space (a bound seen, not derived)."""
+    """Against LU factors; as many applications as the twin, at most `most` times those of the best in the Krylov space (a bound
+    seen, not derived)."""
     rng, A = np.random.default_rng(3), flow_matrix(12, viscosity, speed)
     b, x = rng.normal(size=(2, 144))
     inverse = 1 / A.diagonal()
@@ -114,7 +119,8 @@ def test_the_solution_and_the_way_to_it(freefem_text, tmp_path, viscosity, speed
 
 
 def test_a_second_preconditioner(freefem_text, tmp_path):
-    """Where viscosity reaches far: cells averaged four by four, solved for apart. Same solution, applications of the twin, about half of those without."""
+    """Where viscosity reaches far: cells averaged four by four, solved for apart. Same solution, applications of the twin, about
+    half of those without."""
     rng, A = np.random.default_rng(5), flow_matrix(24, 40.0, 0.1)
     inverse, (b, x) = 1 / A.diagonal(), rng.normal(size=(2, 576))
     cell = np.arange(576)
@@ -122,7 +128,8 @@ def test_a_second_preconditioner(freefem_text, tmp_path):
     symmetric = (A + A.T) / 2
     correction = sparse.csr_matrix(0.3 * (wide @ np.linalg.inv((wide.T @ symmetric @ wide).toarray()) @ wide.T.toarray()))
     start = (b - A @ x) @ (inverse * (b - A @ x))
-    (used, calls, restarts, last), found, left = solve(freefem_text, tmp_path, A, b, x, inverse, tolerance=1e-6, correction=correction)
+    (used, calls, restarts, last), found, left = solve(freefem_text, tmp_path, A, b, x, inverse, tolerance=1e-6,
+        correction=correction)
     without = solve(freefem_text, tmp_path, A, b, x, inverse, tolerance=1e-6)[0][0]
     assert used == calls == len(orthomin(A, b - A @ x, inverse, 1e-12 * start, 400, correction)) - 1 and restarts == 0
     assert used < 0.6 * without and last <= 1e-6

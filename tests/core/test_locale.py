@@ -14,7 +14,8 @@ RUNS = {  # a case of each driver, and the table that is compared
     "steady laminar": (["cases/cylinder_steady.edp"], "mesh.mesh"),
     "contacts": (["cases/falling_particles.edp", "-number", 5, "-tend", 0.2], "particles.csv"),
     "transport": (["tests/transport/scripts/analytic.edp", "-tend", 0.02], "particles.csv"),
-    "projection": (["scripts/project_velocities.edp", "-bodies", "tests/data/contact/random_50_bodies.csv", "-walls", "tests/data/contact/random_50_walls.csv"], ""),
+    "projection": (["scripts/project_velocities.edp", "-bodies", "tests/data/contact/random_50_bodies.csv", "-walls",
+        "tests/data/contact/random_50_walls.csv"], ""),
 }
 
 

@@ -39,7 +39,8 @@ def test_every_place_is_looked_at(freefem_text):
     ("", "if (t > 0.02) carrierU[0] = none;", 4, "no longer finite"),
 ])
 def test_a_carried_particle_without_numbers_is_refused(freefem_text, run_folder, particles, flow, status, words):
-    done = freefem_text(TRANSPORT.format(particles=particles, flow=flow), "-out", run_folder, "-tend", 0.05, "-dt", 0.01, "-contacts", 0, check=False)
+    done = freefem_text(TRANSPORT.format(particles=particles, flow=flow), "-out", run_folder, "-tend", 0.05, "-dt", 0.01,
+        "-contacts", 0, check=False)
     assert done.returncode == status and words in done.stderr and len(done.stderr.strip().splitlines()) == 1
 
 
@@ -68,8 +69,10 @@ def test_a_wrong_solver_is_seen_by_its_nan(freefem_text):
 
 
 def test_no_guard_trusts_the_largest_entry():
-    bad = [f"{path.name}: {line.strip()}" for folder in ("lib", "scripts") for path in sorted((ROOT / folder).rglob("*.*")) for line in path.read_text().splitlines()
+    bad = [f"{path.name}: {line.strip()}" for folder in ("lib", "scripts") for path in sorted((ROOT / folder).rglob("*.*"))
+        for line in path.read_text().splitlines()
            if re.search(r"!\([^)]*\.(linfty|min|max)\b", line) and "arrayFinite" not in line]
     # a short cut, which a nan does not take; radii and densities that arrayFinite has seen in the line before
-    known = ("move.idp: int beside = ", "particles.idp: if (!(particleRadius.min > 0 ", "particles.idp: if (!(particleDensity.min > 0 ")
+    known = ("move.idp: int beside = ", "particles.idp: if (!(particleRadius.min > 0 ",
+        "particles.idp: if (!(particleDensity.min > 0 ")
     assert [line for line in bad if not line.startswith(known)] == []

@@ -29,7 +29,8 @@ def values(run):
 
 def test_a_default_has_fifteen_digits_in_words_too(freefem_text):
     """run.json and checkpoints hold the words; a run that is given them is the same one."""
-    out = freefem_text(SCRIPT + 'cout << "words " << optValues[0] << endl;' + 'cout << "digits " << optDigits(-2.*pi/7e5) << " " << optDigits(0.1) << " " << optDigits(0.) << endl;').stdout
+    out = freefem_text(SCRIPT + 'cout << "words " << optValues[0] << endl;' + 'cout << "digits " << optDigits(-2.*pi/7e5) << " " '
+        '<< optDigits(0.1) << " " << optDigits(0.) << endl;').stdout
     assert float(out.split("words")[1].split()[0]) == pytest.approx(1 / 3, rel=2e-15)
     found = out.split("digits")[1].split()[:3]
     assert float(found[0]) == pytest.approx(-2 * math.pi / 7e5, rel=2e-15) and found[1:] == ["0.1", "0"]
@@ -98,7 +99,8 @@ def test_nonsense_ends_with_status_3_and_one_line(freefem_text, words, says):
 
 def test_help_lists_every_option_with_its_default_and_unit(freefem_text):
     run = freefem_text(SCRIPT, "-help")
-    for part in ("trial: a script", "-tend 0.333333 s", "-number 5", "-dt 0.02 s", "end time", "standard|published", "lift force (0|1)"):
+    for part in ("trial: a script", "-tend 0.333333 s", "-number 5", "-dt 0.02 s", "end time", "standard|published",
+        "lift force (0|1)"):
         assert part in run.stdout
     assert "values " not in run.stdout
 
@@ -122,7 +124,8 @@ def test_a_tolerance_that_leaves_a_solver_nothing_to_do_is_refused(freefem_refus
     assert not (tmp_path / "run").exists()
 
 
-@pytest.mark.parametrize("case, flag", [("taylor_green", "-convection"), ("pipe_transport", "-lift"), ("cylinder_steady", "-fields"), ("pipe_flow", "-axisymmetric")])
+@pytest.mark.parametrize("case, flag", [("taylor_green", "-convection"), ("pipe_transport", "-lift"), ("cylinder_steady",
+    "-fields"), ("pipe_flow", "-axisymmetric")])
 def test_a_flag_of_a_driver_is_0_or_1(freefem_refused, tmp_path, case, flag):
     assert "must be 0 or 1, not 2" in freefem_refused(3, f"cases/{case}.edp", flag, "2", "-out", tmp_path / "run")
     assert not (tmp_path / "run").exists()
@@ -135,12 +138,14 @@ def test_a_default_of_no_option_is_refused(freefem_text, tmp_path):
     assert done.returncode == 3 and "default of -dtt" in done.stderr and not (tmp_path / "run").exists()
 
 
-@pytest.mark.parametrize("name, says", [("-tolerance", "declared twice"), ("-stabilise", "declared twice"), *((name, "FreeFEM's own") for name in ("-v", "-log", "-f", "-ns", "-wait", "-jc", "-?", "-help"))])
+@pytest.mark.parametrize("name, says", [("-tolerance", "declared twice"), ("-stabilise", "declared twice"),
+    *((name, "FreeFEM's own") for name in ("-v", "-log", "-f", "-ns", "-wait", "-jc", "-?", "-help"))])
 def test_an_option_of_a_name_that_is_taken_is_refused(name, says, freefem_text, tmp_path):
     text = Path("cases/template.edp").read_text().replace('"-diameter"', f'"{name}"')
     done = freefem_text(text, "-out", tmp_path / "run", check=False)
     lines = done.stderr.strip().splitlines()
-    assert done.returncode == 3 and len(lines) == 1 and f"the option {name} " in lines[0] and says in lines[0] and not (tmp_path / "run").exists()
+    assert done.returncode == 3 and len(lines) == 1 and f"the option {name} " in lines[0] and says in lines[0] and not (tmp_path
+        / "run").exists()
 
 
 def test_an_option_begins_with_a_dash(freefem_text):

@@ -33,7 +33,8 @@ def eventually(question, limit=5):
 def test_of_two_runs_that_start_at_once_one_has_the_folder(pair, tmp_path, monkeypatch):
     """Both wrote, in 8 of 36 pairs: rows stood twice, run.json was broken. RUN_PAIRS sets the number of pairs."""
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "1")
-    command = [FREEFEM, "-nw", *map(str, FALLING), "-tend", "0.4", "-out", str(tmp_path / "run"), *(["-overwrite", "1"] if pair % 2 else [])]
+    command = [FREEFEM, "-nw", *map(str, FALLING), "-tend", "0.4", "-out", str(tmp_path / "run"), *(["-overwrite", "1"]
+        if pair % 2 else [])]
     started = []
     for _ in range(2):
         started.append(subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True))
@@ -61,11 +62,13 @@ def test_files_of_others_in_the_folder_stay_as_they_are(how, ended, tmp_path):
     """Rows of a user's own table were dropped, and every *.csv deleted."""
     folder = tmp_path / "run"
     shutil.copytree(ended, folder)
-    mine = {"measured.csv": "t,a\n0.1,1\n99,2\n5\n", "fields.png": "mine", "film.mp4": "mine", "results.csv": "name,value\nx,99\n", "fields_0000001.vtu": "mine",
+    mine = {"measured.csv": "t,a\n0.1,1\n99,2\n5\n", "fields.png": "mine", "film.mp4": "mine", "results.csv": "name,value\nx,99\n",
+        "fields_0000001.vtu": "mine",
             "notes.txt": "99\n", "motion.csv.old": "1", "summary.csv": "t\n99\n"}
     for name, text in mine.items():
         (folder / name).write_text(text)
-    words = ["-restart", folder, "-tend", 0.3, "-checkpoint", 3] if how == "-restart" else ["-out", folder, "-overwrite", 1, "-tend", 0.1]
+    words = ["-restart", folder, "-tend", 0.3, "-checkpoint", 3] if how == "-restart" else ["-out", folder, "-overwrite", 1,
+        "-tend", 0.1]
     run_freefem(*FALLING, *words)
     assert {name: (folder / name).read_text() for name in mine} == mine
     listed = (folder / ".files").read_text().split()
@@ -92,7 +95,8 @@ def test_a_run_without_a_list_of_its_files_is_not_replaced(ended, tmp_path):
 
 def started(folder, *words):
     """A run under way that has written a checkpoint."""
-    process = subprocess.Popen([FREEFEM, "-nw", *map(str, words), "-out", str(folder)], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+    process = subprocess.Popen([FREEFEM, "-nw", *map(str, words), "-out", str(folder)], cwd=ROOT, stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL, start_new_session=True)
     assert eventually(lambda: list(folder.glob("restart_*.sha")), 30)
     return process
 
@@ -102,12 +106,14 @@ LONG = ["cases/falling_particles.edp", "-number", 20, "-every", 0, "-tend", 2000
 
 @pytest.mark.parametrize("name", ["SIGTERM", "SIGINT", "SIGHUP", "SIGXCPU", "SIGKILL", "SIGSEGV"])
 def test_a_signal_is_told(name, tmp_path):
-    """The status was "running" for ever. Where the parent asks first for the exit status, the signal's name is lost, not that the run was ended."""
+    """The status was "running" for ever. Where the parent asks first for the exit status, the signal's name is lost, not that the
+    run was ended."""
     process = started(tmp_path / "run", *LONG)
     (os.killpg if name == "SIGINT" else os.kill)(process.pid, getattr(signal, name))  # Ctrl-C goes to all that the terminal runs
     process.wait(timeout=20)
     assert eventually(lambda: status(tmp_path / "run") != "running")
-    assert re.fullmatch(rf"killed \(signal ({int(getattr(signal, name))}, {name[3:]}|15, TERM).*\)|ended without a word \(killed, out of memory or crashed\)", status(tmp_path / "run"))
+    assert re.fullmatch(rf"killed \(signal ({int(getattr(signal, name))}, {name[3:]}|15, TERM).*\)|ended without a word "
+        rf"\(killed, out of memory or crashed\)", status(tmp_path / "run"))
 
 
 @pytest.mark.parametrize("kill", range(KILLS))

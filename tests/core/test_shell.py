@@ -1,4 +1,5 @@
-"""Nothing that a user or a file supplies is read as a command: a lint of all calls of the shell, and crafted words, names, files and folders."""
+"""Nothing that a user or a file supplies is read as a command: a lint of all calls of the shell, and crafted words, names, files
+and folders."""
 import hashlib
 import os
 import re
@@ -60,12 +61,14 @@ def loose_calls(text, known):
     return loose
 
 
-@pytest.mark.parametrize("path", [path for path in files(".idp") + files(".edp") if path.startswith(("lib/", "scripts/", "cases/"))])
+@pytest.mark.parametrize("path", [path for path in files(".idp") + files(".edp")
+    if path.startswith(("lib/", "scripts/", "cases/"))])
 def test_every_command_is_constant(path):
     text = (ROOT / path).read_text()
     assert not re.search(r'\bload\s+"pipe"|\bpstream\b', text), "no pipes"
     loose = loose_calls(text, constants())
-    if path == SHELL:  # the number of the scratch folder, the watcher's constant text, and what shellRun hands on: words from a file, or in quotes
+    # the number of the scratch folder, the watcher's constant text, and what shellRun hands on: words from a file, or in quotes
+    if path == SHELL:
         assert {part for _, part in loose} == {"shellNumber", "put", "program"}
     else:
         assert loose == [] and "exec(" not in without_comments(text)
@@ -78,10 +81,13 @@ def test_the_lint_finds_what_it_looks_for():
 
 
 # What a shell would run, in every way of quoting.
-POISON = ["x\nEND_OF_LINE\ntouch {0}\n:", "'; touch {0}; '", '"; touch {0}; "', "$(touch {0})", "`touch {0}`", "\\'; touch {0} #", "|touch {0}", "\r\ntouch {0}\r\n"]
+POISON = ["x\nEND_OF_LINE\ntouch {0}\n:", "'; touch {0}; '", '"; touch {0}; "', "$(touch {0})", "`touch {0}`", "\\'; touch {0} #",
+    "|touch {0}", "\r\ntouch {0}\r\n"]
 DRIVERS = {
-    "resolved": ["cases/template.edp"], "flow": ["cases/poiseuille.edp"], "steady laminar": ["cases/cavity.edp"], "steady": ["cases/pipe_flow.edp"],
-    "contacts": ["cases/falling_particles.edp"], "transport": ["tests/transport/scripts/analytic.edp"], "projection": ["scripts/project_velocities.edp"],
+    "resolved": ["cases/template.edp"], "flow": ["cases/poiseuille.edp"], "steady laminar": ["cases/cavity.edp"],
+        "steady": ["cases/pipe_flow.edp"],
+    "contacts": ["cases/falling_particles.edp"], "transport": ["tests/transport/scripts/analytic.edp"],
+        "projection": ["scripts/project_velocities.edp"],
 }
 
 
@@ -128,7 +134,8 @@ def sealed(folder, base):
     sums = folder / f"{base}.sha"
     lines = [line for line in sums.read_text().splitlines() if line.startswith("#")]
     names = [line.split()[1] for line in sums.read_text().splitlines() if not line.startswith("#")]
-    sums.write_text("".join(f"{hashlib.sha256((folder / name).read_bytes()).hexdigest()}  {name}\n" for name in names) + "\n".join(lines) + "\n")
+    sums.write_text("".join(f"{hashlib.sha256((folder / name).read_bytes()).hexdigest()}  {name}\n" for name in names)
+        + "\n".join(lines) + "\n")
 
 
 @pytest.fixture(scope="module")
@@ -141,8 +148,10 @@ def kept(tmp_path_factory):
 
 
 @pytest.mark.parametrize("line, change", [
-    (1, lambda row, mark: row + f"'; touch {mark}; '"), (1, lambda row, mark: row.replace(";", f";x=$(touch {mark});", 1)), (0, lambda row, mark: f"'; touch {mark}; '"),
-    (2, lambda row, mark: row.replace(" ", f"\t-f\t{mark}.awk ", 1)), (2, lambda row, mark: row.replace(" ", f" $(touch\t{mark})", 1)),
+    (1, lambda row, mark: row + f"'; touch {mark}; '"), (1, lambda row, mark: row.replace(";", f";x=$(touch {mark});", 1)),
+        (0, lambda row, mark: f"'; touch {mark}; '"),
+    (2, lambda row, mark: row.replace(" ", f"\t-f\t{mark}.awk ", 1)), (2, lambda row, mark: row.replace(" ", f" $(touch\t{mark})",
+        1)),
     (2, lambda row, mark: row.split()[0] + f" 0.04;touch\t{mark} " + " ".join(row.split()[2:]))])
 def test_a_crafted_checkpoint_runs_nothing(kept, line, change, tmp_path):
     """Its checksums are right: they keep off damage, not intent."""
@@ -160,7 +169,8 @@ def test_a_crafted_checkpoint_runs_nothing(kept, line, change, tmp_path):
         assert_refused(done, (3, 4, 5))
 
 
-@pytest.mark.parametrize("names", ["../../../etc/hostname", "/dev/zero", "-c", "restart_000000001.txt ; touch pwned", "$(touch pwned)"])
+@pytest.mark.parametrize("names", ["../../../etc/hostname", "/dev/zero", "-c", "restart_000000001.txt ; touch pwned",
+    "$(touch pwned)"])
 def test_a_crafted_list_of_checksums_is_not_followed(kept, names, tmp_path):
     folder = tmp_path / "run"
     shutil.copytree(kept[1], folder)
@@ -177,10 +187,12 @@ def test_a_crafted_list_of_files_leads_nowhere(kept, tmp_path):
     shutil.copytree(kept[1], folder)
     mine.write_text("t,a\n99,1\n")
     (folder / "link.csv").symlink_to(mine)
-    (folder / ".files").open("a").write(f"../mine.csv\n{mine}\n-rf\n*\nlink.csv\n$(touch {tmp_path}/pwned)\n`touch {tmp_path}/pwned`\n")
+    (folder / ".files").open("a").write(f"../mine.csv\n{mine}\n-rf\n*\nlink.csv\n$(touch {tmp_path}/pwned)\n`touch "
+        f"{tmp_path}/pwned`\n")
     (folder / "own.txt").write_text("mine")
     run_freefem(*kept[0], "-tend", 0.04, "-out", folder, "-overwrite", 1)
-    assert mine.read_text() == "t,a\n99,1\n" and (folder / "own.txt").exists() and (folder / "link.csv").is_symlink() and not (tmp_path / "pwned").exists()
+    assert mine.read_text() == "t,a\n99,1\n" and (folder / "own.txt").exists() and (folder
+        / "link.csv").is_symlink() and not (tmp_path / "pwned").exists()
 
 
 @pytest.mark.parametrize("name", ["walls", "disks", "bodies", "message", "words"])
@@ -191,7 +203,8 @@ def test_a_foreign_scratch_folder_is_never_entered(name, tmp_path, monkeypatch):
     exec {FREEFEM} -nw scripts/project_velocities.edp -bodies tests/data/contact/random_50_bodies.csv -walls tests/data/contact/random_50_walls.csv -out {tmp_path}/a.csv"""
     done = subprocess.run(["sh", "-c", start], cwd=ROOT, capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
-    run_freefem("scripts/project_velocities.edp", "-bodies", "tests/data/contact/random_50_bodies.csv", "-walls", "tests/data/contact/random_50_walls.csv", "-out", tmp_path / "b.csv")
+    run_freefem("scripts/project_velocities.edp", "-bodies", "tests/data/contact/random_50_bodies.csv", "-walls",
+        "tests/data/contact/random_50_walls.csv", "-out", tmp_path / "b.csv")
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
     assert all(path.read_text() == "1 9 9 9 9\n" for path in tmp_path.glob("freefem-particles-*/*"))
 
@@ -214,4 +227,5 @@ def test_a_scratch_folder_that_cannot_be_made_is_told(make, tmp_path, monkeypatc
 def test_words_of_any_length_are_refused(tmp_path):
     """An option name of 100,000 characters took 40 s."""
     for words in (["-" + "a" * 100_000, "1"], ["-dt", "1" * 100_000]):
-        assert_refused(run("cases/template.edp", *words, "-out", tmp_path / "run", timeout=20), (3,), "100001 characters" if words[0] != "-dt" else "100000 characters")
+        assert_refused(run("cases/template.edp", *words, "-out", tmp_path / "run", timeout=20), (3,), "100001 characters"
+            if words[0] != "-dt" else "100000 characters")

@@ -32,7 +32,8 @@ for (int k = 0; k < once.n; ++k) cout << "once " << once[k] << endl;
 def test_rows_and_parts_are_those_of_scipy(seed, high, wide, freefem_text):
     rng = np.random.default_rng(seed)
     filled = np.unique(rng.integers(0, high * wide, 3 * high))
-    matrix = sparse.csr_matrix((rng.uniform(0.5, 2, len(filled)), (filled // wide, filled % wide)), (high, wide))  # some rows are empty
+    # some rows are empty
+    matrix = sparse.csr_matrix((rng.uniform(0.5, 2, len(filled)), (filled // wide, filled % wide)), (high, wide))
     chosen, numbers = rng.integers(0, high, 2 * high), rng.integers(0, 30, 50)
     coo = matrix.tocoo()
     text = ASK
@@ -41,7 +42,8 @@ def test_rows_and_parts_are_those_of_scipy(seed, high, wide, freefem_text):
     out = freefem_text(text.replace("HIGH", str(high)).replace("WIDE", str(wide)).replace("NUMBERS", "30")).stdout
     np.testing.assert_array_equal(rows(out, "row"), np.column_stack([matrix.indptr[:-1], np.diff(matrix.indptr)]))
     part = matrix[chosen]
-    np.testing.assert_allclose(rows(out, "list"), np.column_stack([np.repeat(np.arange(len(chosen)), np.diff(part.indptr)), part.indices, part.data]), rtol=1e-13)
+    np.testing.assert_allclose(rows(out, "list"), np.column_stack([np.repeat(np.arange(len(chosen)), np.diff(part.indptr)),
+        part.indices, part.data]), rtol=1e-13)
     np.testing.assert_array_equal(rows(out, "size")[0], [2 * high, wide])
     np.testing.assert_allclose(rows(out, "product")[:, 0], part @ np.arange(1, wide + 1), rtol=1e-13)
     once = rows(out, "once")[:, 0]

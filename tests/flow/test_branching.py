@@ -35,7 +35,8 @@ def test_outlets_share_the_flow_as_in_stokes_equations(mesh, freefem, freefem_te
     freefem(CASE, "-mesh", mesh, "-number", 0, "-convection", 0, "-tend", 0.4, "-out", tmp_path / "run")
     rows = RunFolder(tmp_path / "run").table("fluxes")
     last = {int(label): flux for t, label, flux in zip(rows["t"], rows["label"], rows["flux"]) if t == rows["t"].max()}
-    exact = next(line.split()[1:] for line in freefem_text(STOKES.format(mesh=mesh)).stdout.splitlines() if line.startswith("fluxes"))
+    exact = next(line.split()[1:] for line in freefem_text(STOKES.format(mesh=mesh)).stdout.splitlines()
+        if line.startswith("fluxes"))
     assert list(last) == [1, 2, 12]
     for label, value in zip(last, map(float, exact)):
         assert last[label] == pytest.approx(value, rel=2e-3)

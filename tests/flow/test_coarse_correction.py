@@ -41,7 +41,8 @@ LEVEL, UPRIGHT = "1, 3", "2, 4"  # labels of the sides
 def run(freefem_text, disks, periodic=False, slip=None, start=0):
     text = script(disks, periodic, ASK.replace("FROM", str(start)))
     if slip:
-        text = text.replace("flowNoSlip = [1, 2, 3, 4]", f"flowNoSlip = [{UPRIGHT if slip == LEVEL else LEVEL}]").replace("flowSlip(0)", f"flowSlip = [{slip}]")
+        text = text.replace("flowNoSlip = [1, 2, 3, 4]",
+            f"flowNoSlip = [{UPRIGHT if slip == LEVEL else LEVEL}]").replace("flowSlip(0)", f"flowSlip = [{slip}]")
     return freefem_text(text).stdout
 
 
@@ -64,7 +65,8 @@ def test_it_is_symmetric_positive_and_leaves_bodies_alone(freefem_text, periodic
 
 
 def test_it_is_made_only_where_viscosity_reaches_far(freefem_text):
-    """The mean of viscous over inertial diagonal, from entries of a triangle: h^2 times the ratio is 24 to 80 for right isosceles ones."""
+    """The mean of viscous over inertial diagonal, from entries of a triangle: h^2 times the ratio is 24 to 80 for right isosceles
+    ones."""
     on, reach = rows(run(freefem_text, [], start=1e9), "on")[0]
     assert on == 0 and 16**2 * 3 / 10 * 24 < reach < 16**2 * 3 / 10 * 80
     assert rows(run(freefem_text, [], start=reach * 0.99), "on")[0][0] == 1
@@ -74,7 +76,8 @@ def test_a_suspension_moves_as_without_it_in_half_the_applications(freefem, tmp_
     """Twenty per cent of disks in a shear flow, viscosity over many elements a step, to a tolerance of 1e-8."""
     text = (ROOT / "cases/sheared_suspension.edp").read_text()
     off = tmp_path / "off.edp"
-    off.write_text(text.replace("macro caseStart() {", "macro caseStart() { IFMACRO(viscousCoarseIncluded) viscousFrom = 1e30; ENDIFMACRO"))
+    off.write_text(text.replace("macro caseStart() {", "macro caseStart() { IFMACRO(viscousCoarseIncluded) viscousFrom = 1e30; "
+        "ENDIFMACRO"))
     tables = []
     for name, case in (("with", ROOT / "cases/sheared_suspension.edp"), ("without", off)):
         freefem(case, "-tend", "0.1", "-every", "0", "-tolerance", "1e-8", "-out", tmp_path / name)

@@ -1,4 +1,5 @@
-"""The extrapolated convecting velocity (lib/flow/convecting_velocity.idp): a NumPy twin, and flows that steps of more than an element spoiled without it."""
+"""The extrapolated convecting velocity (lib/flow/convecting_velocity.idp): a NumPy twin, and flows that steps of more than an
+element spoiled without it."""
 import numpy as np
 import pytest
 
@@ -7,7 +8,8 @@ from tests.tables import rows
 from tools.base.tables import read_table
 from tools.study.extrema import vortices
 
-# A channel with walls below, a plane of symmetry above, an inlet and an outlet; three states with steps of 0.1 s, and a velocity FAST
+# A channel with walls below, a plane of symmetry above, an inlet and an outlet; three states with steps of 0.1 s, and a velocity
+# FAST
 # that sets the number of elements per step. Sides: 1 below, 2 right, 3 above, 4 left.
 STATES = """
 include "lib/case.idp"
@@ -82,9 +84,11 @@ def test_the_convecting_velocity_is_that_of_numpy(fast, bend, freefem_text):
 
 
 def test_smooth_changes_are_extrapolated_and_short_waves_are_not(freefem_text):
-    """Inside a mesh of squares changes that are linear in space pass unchanged; a wave from node to node is reduced to an eighth."""
+    """Inside a mesh of squares changes that are linear in space pass unchanged; a wave from node to node is reduced to an
+    eighth."""
     text = freefem_text(STATES.replace("x + 0.3*x*y, y", "x, y").replace("FAST", "0.")
-                        .replace("u1 = cos(5*x*y) - y", "u1 = sin(3*x + y) + 2*x - 3*y + 0.5").replace("v0 = x*y - sin(7*y)", "v0 = 0")
+                        .replace("u1 = cos(5*x*y) - y", "u1 = sin(3*x + y) + 2*x - 3*y + 0.5").replace("v0 = x*y - sin(7*y)",
+                            "v0 = 0")
                         .replace("v1 = cos(2*x - 4*y)", "v1 = cos(16*pi*x)*cos(16*pi*y)")).stdout
     nodes, values = rows(text, "NODE"), rows(text, "VALUES")
     n = len(nodes)
@@ -108,7 +112,8 @@ def test_vortices_on_a_coarse_mesh_with_large_steps(tmp_path, run_folder):
 
 @pytest.mark.slow
 def test_a_body_at_rest_is_like_a_wall(tmp_path, run_folder):
-    """DFG 2D-2, the cylinder a held body: steps of up to two elements add 2 % to the lift's error of 4.5 % (4 % when short waves stayed near the body)."""
+    """DFG 2D-2, the cylinder a held body: steps of up to two elements add 2 % to the lift's error of 4.5 % (4 % when short waves
+    stayed near the body)."""
     mesh = make_mesh(tmp_path / "c.mesh", "held_cylinder", "--size", 0.1 / 12)
     run_freefem("cases/held_cylinder.edp", "-mesh", mesh, "-dt", 0.006, "-cfl", 3, "-tend", 5.5, "-out", run_folder, timeout=600)
     force = read_table(run_folder / "forces.csv")
@@ -119,7 +124,8 @@ def test_a_body_at_rest_is_like_a_wall(tmp_path, run_folder):
 
 
 def test_a_jet_with_large_steps_keeps_its_energy(coarse, run_folder):
-    """Three elements per step, no stabilisation; by plain extrapolation it had lost a third. Reference: a quarter of the step, stabilised."""
+    """Three elements per step, no stabilisation; by plain extrapolation it had lost a third. Reference: a quarter of the step,
+    stabilised."""
     energies = []
     for words in (("-cfl", 0.75), ("-cfl", 3, "-stabilise", 0)):
         run_freefem("cases/pipe_jet.edp", "-mesh", coarse, "-dt", 0.02, "-tend", 0.8, *words, "-out", run_folder, "-overwrite", 1)

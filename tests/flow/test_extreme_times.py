@@ -11,7 +11,8 @@ macro caseCarrier() { carrierWh u = 0*x, v = 0*x; carrierFlow(u[], v[]); } // EO
 macro caseParticles() { real[int] one(1), r(1), d(1), o(1); one = 0.5; r = 0.01; d = 2500; o = 0.; transportAppend(one, one, r, d, o, o, o); } // EOM
 include "scripts/transport.edp"
 """
-DRIVERS = {"resolved": ("cases/template.edp", [], "fluid"), "flow": ("cases/poiseuille.edp", [], "fluid"), "contacts": ("cases/falling_particles.edp", ["-number", 3], "motion"), "transport": (None, [], "steps")}
+DRIVERS = {"resolved": ("cases/template.edp", [], "fluid"), "flow": ("cases/poiseuille.edp", [], "fluid"),
+    "contacts": ("cases/falling_particles.edp", ["-number", 3], "motion"), "transport": (None, [], "steps")}
 
 
 @pytest.fixture(params=DRIVERS)
@@ -35,7 +36,8 @@ def test_a_step_far_above_the_end_is_one_step_to_the_end(end, driver, freefem, t
 
 
 @pytest.mark.parametrize("words, said", [
-    (["-tend", "1e-300"], "out of range"), (["-tend", "1e-200", "-dt", "1e-300"], "more than 1e9"), (["-tend", "4e-324", "-dt", "4e-324"], "out of range"), (["-tend", "1", "-dt", "1e-300"], "more than 1e9"),
+    (["-tend", "1e-300"], "out of range"), (["-tend", "1e-200", "-dt", "1e-300"], "more than 1e9"),
+        (["-tend", "4e-324", "-dt", "4e-324"], "out of range"), (["-tend", "1", "-dt", "1e-300"], "more than 1e9"),
     (["-tend", "1e300"], "out of range"), (["-dt", "1e300"], "out of range"), (["-every", "1e300"], "out of range"),
 ])
 def test_times_out_of_range_are_refused(words, said, driver, freefem_refused, tmp_path):

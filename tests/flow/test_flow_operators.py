@@ -56,7 +56,8 @@ cout << "RESULT " << worst/most << " " << int1d(Th, labelOutlet)(max(a*N.x + b*N
 
 @pytest.mark.parametrize("lift, size, off_most", [(3, 0.1, 1e-11), (3, 0.01, 1e-11), (0, 0.1, 1e-2)])
 def test_convection_operator_is_that_of_the_assembly(lift, size, off_most, freefem_text):
-    """Exactly where the outlet only lets out, in one block of triangles and in several; where the flow turns on an edge, to the quadrature."""
+    """Exactly where the outlet only lets out, in one block of triangles and in several; where the flow turns on an edge, to the
+    quadrature."""
     text = freefem_text(OPERATOR.replace("LIFT", str(lift)).replace("SIZE", str(size))).stdout
     off, leaving, entering = map(float, next(line for line in text.splitlines() if line.startswith("RESULT")).split()[1:])
     assert off < off_most
@@ -117,7 +118,8 @@ include "cases/pipe_jet.edp"
 def test_the_solver_s_diagonal_is_that_of_the_stabilised_matrix(freefem_text, meshes, tmp_path):
     """Convection is skew-symmetric and adds nothing to it, but at the outlet (x = 1)."""
     coarse = mesh(meshes, "pipe_obstacles", "--size", 0.02)
-    text = freefem_text(DIAGONAL, "-mesh", coarse, "-reynolds", 1e4, "-ramp", 0.005, "-cfl", 0, "-dt", 0.001, "-tend", 0.015, "-out", tmp_path / "run").stdout
+    text = freefem_text(DIAGONAL, "-mesh", coarse, "-reynolds", 1e4, "-ramp", 0.005, "-cfl", 0, "-dt", 0.001, "-tend", 0.015,
+        "-out", tmp_path / "run").stdout
     rows = [line.split()[1:] for line in text.splitlines() if line.startswith("OFF")]
     assert int(rows[0][1]) == 0 < int(rows[-1][1])
     assert max(float(off) for off, version in rows) < 1e-13
@@ -127,7 +129,8 @@ def test_the_solver_s_diagonal_is_that_of_the_stabilised_matrix(freefem_text, me
 def test_a_flow_that_the_mesh_does_not_resolve_is_told(reynolds, warned, meshes, run_folder):
     """The share of the stabilisation in fluid.csv is that of the terms of budget.csv, and what warns at the end."""
     coarse = mesh(meshes, "pipe_obstacles", "--size", 0.02)
-    run = run_freefem("cases/pipe_jet.edp", "-mesh", coarse, "-reynolds", reynolds, "-tend", 0.3, "-every", 0, "-budget", 1, "-out", run_folder)
+    run = run_freefem("cases/pipe_jet.edp", "-mesh", coarse, "-reynolds", reynolds, "-tend", 0.3, "-every", 0, "-budget", 1,
+        "-out", run_folder)
     fluid, budget = read_table(run_folder / "fluid.csv"), read_table(run_folder / "budget.csv")
     damped, viscous = np.diff(budget["smoothed"]), np.diff(budget["dissipated"])
     assert fluid["unresolved"][1:] == pytest.approx(damped / (damped + viscous), abs=1e-6)
@@ -140,7 +143,8 @@ def test_a_flow_that_the_mesh_does_not_resolve_is_told(reynolds, warned, meshes,
 
 def test_a_uniform_stream_has_no_dissipation_to_resolve(freefem_text, run_folder):
     """Through planes of symmetry; of what rounding leaves the stabilisation took more than all ("267 %")."""
-    stream = THROUGH.replace("flowNoSlip = [labelBottom, labelTop]", "flowNoSlip(0)").replace("flowSlip(0)", "flowSlip = [labelBottom, labelTop]").replace("4*y*(1 - y)", "1.").replace("mu = 0.1", "mu = 1e-5")
+    stream = THROUGH.replace("flowNoSlip = [labelBottom, labelTop]", "flowNoSlip(0)").replace("flowSlip(0)",
+        "flowSlip = [labelBottom, labelTop]").replace("4*y*(1 - y)", "1.").replace("mu = 0.1", "mu = 1e-5")
     run = freefem_text(stream, "-dt", 0.02, "-tend", 1, "-out", run_folder)
     assert abs(read_table(run_folder / "fluid.csv")["unresolved"]).max() == 0 and "dissipation" not in run.stdout
 

@@ -12,7 +12,8 @@ def cylinder(meshes, tmp_path_factory):
     """A short run past a cylinder on a coarse mesh."""
     coarse = mesh(meshes, "cylinder_channel", "--circle-points", 24)
     folder = tmp_path_factory.mktemp("cylinder") / "run"
-    run_freefem("cases/cylinder_channel.edp", "-mesh", coarse, "-tend", 0.5, "-dt", 0.005, "-every", 0, "-budget", 1, "-out", folder)
+    run_freefem("cases/cylinder_channel.edp", "-mesh", coarse, "-tend", 0.5, "-dt", 0.005, "-every", 0, "-budget", 1, "-out",
+        folder)
     return folder
 
 
@@ -38,17 +39,21 @@ def test_a_cylinder_that_turns_supplies_its_torque_times_its_speed(freefem_text,
     """Between two cylinders, the inner one turning, and that is what is dissipated (mu |grad u|^2 alone: 0.58 of it)."""
     mesh = tmp_path / "ring.mesh"
     ring = f'border outer(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }} border inner(s = 0, 2*pi) {{ x = 0.4*cos(s); y = 0.4*sin(s); label = 6; }} savemesh(buildmesh(outer(90) + inner(-48)), "{mesh}");'
-    text = THROUGH.replace("flowNoSlip = [labelBottom, labelTop], flowMoving = [labelLeft, labelRight]", "flowNoSlip = [labelWall], flowMoving = [labelCylinder]")
-    text = text.replace("macro boundaryU() (4*y*(1 - y)) // EOM", "macro boundaryU() (-2*y) // EOM\nmacro boundaryV() (2*x) // EOM").replace("macro caseStart", "macro none")
+    text = THROUGH.replace("flowNoSlip = [labelBottom, labelTop], flowMoving = [labelLeft, labelRight]",
+        "flowNoSlip = [labelWall], flowMoving = [labelCylinder]")
+    text = text.replace("macro boundaryU() (4*y*(1 - y)) // EOM", "macro boundaryU() (-2*y) // EOM\nmacro boundaryV() (2*x) // "
+        "EOM").replace("macro caseStart", "macro none")
     freefem_text(ring + text, "-mesh", mesh, "-dt", 0.1, "-cfl", 0, "-tend", 20, "-every", 4, "-budget", 1, "-out", run_folder)
     budget = read_table(run_folder / "budget.csv")
-    rate = {name: (budget[name][-1] - budget[name][-2]) / (budget["t"][-1] - budget["t"][-2]) for name in ("supplied", "dissipated", "rest")}
+    rate = {name: (budget[name][-1] - budget[name][-2]) / (budget["t"][-1] - budget["t"][-2]) for name in ("supplied",
+        "dissipated", "rest")}
     torque = 4 * np.pi * 0.1 * 2 * 0.4**2 / (1 - 0.4**2)
     assert rate["supplied"] == pytest.approx(2 * torque, rel=0.01) and rate["dissipated"] == pytest.approx(2 * torque, rel=0.01)
     assert abs(rate["rest"]) < 1e-6 * torque
 
 
-# What the parts for particles leave behind when they are called, whoever is there: rigidFind sets rigidStale, momentumDisks counts momentumAge.
+# What the parts for particles leave behind when they are called, whoever is there: rigidFind sets rigidStale, momentumDisks counts
+# momentumAge.
 SPARED = """
 macro caseStart() rigidStale = 7; // EOM
 macro caseStep()

@@ -1,4 +1,5 @@
-"""Inflows that are probably not what was meant: out of the domain, not 0 at walls; bodies that wait across an inlet or its edge. One line each, and the run goes on."""
+"""Inflows that are probably not what was meant: out of the domain, not 0 at walls; bodies that wait across an inlet or its edge.
+One line each, and the run goes on."""
 import pytest
 
 from tests.scenes import case
@@ -28,7 +29,8 @@ def flow(u="4*y*(1 - y)", moving="labelLeft", ramp="1", more=""):
 
 def said(done):
     """The warnings of the inflow and of waiting bodies."""
-    return [line for line in (done.stdout + done.stderr).splitlines() if line.startswith("warning") and "at the end the outflow" not in line and "elements per diameter" not in line]
+    return [line for line in (done.stdout + done.stderr).splitlines() if line.startswith("warning")
+        and "at the end the outflow" not in line and "elements per diameter" not in line]
 
 
 @pytest.mark.parametrize("name, text, expected", [
@@ -57,10 +59,12 @@ def test_the_place_and_size_of_a_step_at_the_wall_are_named(freefem_text, tmp_pa
 
 
 def test_a_channel_with_a_given_inflow_and_a_smaller_given_outflow_is_not_warned_of(freefem_text, tmp_path):
-    """Fluid is drawn off through the upper side; the rest goes to the outlet. Where more is drawn off than enters, some comes back through the outlet."""
+    """Fluid is drawn off through the upper side; the rest goes to the outlet. Where more is drawn off than enters, some comes back
+    through the outlet."""
     for drawn, number in (("0.3", 0), ("3", 0), ("5", 1)):  # a sixth of this, in m2/s, where 2/3 enters
         more = f"macro boundaryV() ((y > 0.999)*{drawn}*x*(1 - x)) // EOM"
-        text = flow("(y < 0.999)*4*y*(1 - y)", "labelLeft, labelTop", more=more).replace("flowNoSlip = [labelBottom, labelTop]", "flowNoSlip = [labelBottom]")
+        text = flow("(y < 0.999)*4*y*(1 - y)", "labelLeft, labelTop", more=more).replace("flowNoSlip = [labelBottom, labelTop]",
+            "flowNoSlip = [labelBottom]")
         lines = said(freefem_text(text, *TIMES, "-out", tmp_path / f"run{drawn}"))
         assert len(lines) == number and all(OUT in line for line in lines), lines
 
@@ -70,14 +74,16 @@ def test_walls_that_move_along_themselves_are_no_inflow(freefem_text, tmp_path):
     assert said(freefem_text(text, *TIMES, "-out", tmp_path / "run")) == []
 
 
-QUEUE = dict(walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() (4*y*(1 - y)) // EOM", gravity=0)
+QUEUE = dict(walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() (4*y*(1 - y)) // EOM",
+    gravity=0)
 
 
 @pytest.mark.parametrize("bodies, expected", [
     ("queueAt(0.3, 0.5, 0.12, 1, 9);", None),
     ("queueAdd(0.5, 0.12, 1, 9);", None),
     ("queueAt(0.1, 0.5, 0.12, 1, 9);", "1 of the waiting particles lies across an inlet, the first (0) at (0.1, 0.5)"),
-    ("{ queueAt(0.4, 0.5, 0.12, 1, 9); queueEllipseAt(0.1, 0.5, 0.2, 0.12, 1.5708, 1, 9); queueEllipseAt(0.15, 0.5, 0.2, 0.12, 0, 1, 9); queueAt(0.1, 0.5, 0.12, 1, 9); }",
+    ("{ queueAt(0.4, 0.5, 0.12, 1, 9); queueEllipseAt(0.1, 0.5, 0.2, 0.12, 1.5708, 1, 9); queueEllipseAt(0.15, 0.5, 0.2, 0.12, "
+        "0, 1, 9); queueAt(0.1, 0.5, 0.12, 1, 9); }",
      "3 of the waiting particles lie across an inlet, the first (1) at (0.1, 0.5)"),
     ("queueEllipseAt(0.15, 0.5, 0.2, 0.12, 1.5708, 1, 9);", None),
 ])
@@ -97,13 +103,15 @@ mesh Tq = square(20, 20, label = sides);
 
 @pytest.mark.parametrize("bodies, expected", [
     ("queueAdd(0.3, 0.12, 1, 9);", None),
-    ("{ queueAdd(0.3, 0.12, 1, 9); queueAdd(0.55, 0.12, 1, 9); }", "1 of the waiting particles reaches beyond the inlet where they enter, the first (1, at y = 0.55, radius 0.12) beyond its edges at y = 0 and 0.6"),
+    ("{ queueAdd(0.3, 0.12, 1, 9); queueAdd(0.55, 0.12, 1, 9); }", "1 of the waiting particles reaches beyond the inlet where "
+        "they enter, the first (1, at y = 0.55, radius 0.12) beyond its edges at y = 0 and 0.6"),
     ("queueEllipse(0.5, 0.2, 0.09, 0, 1, 9);", None),
     ("queueEllipse(0.5, 0.2, 0.09, 1.5708, 1, 9);", "1 of the waiting particles reaches beyond the inlet"),
 ])
 def test_bodies_that_would_enter_through_the_edge_of_an_inlet_are_warned_of(bodies, expected, freefem_text, tmp_path):
     """The left side is an inlet up to y = 0.6 and a wall above: half of a disk came through the wall."""
     mesh = tmp_path / "half.mesh"
-    text = HALF.format(file=mesh) + case(bodies, **QUEUE | dict(walls="labelBottom, labelTop, labelWall", more="macro boundaryU() (y*(0.6 - y)) // EOM"))
+    text = HALF.format(file=mesh) + case(bodies, **QUEUE | dict(walls="labelBottom, labelTop, labelWall",
+        more="macro boundaryU() (y*(0.6 - y)) // EOM"))
     lines = said(freefem_text(text, "-mesh", mesh, *TIMES, "-out", tmp_path / "run"))
     assert len(lines) == (expected is not None) and (expected is None or expected in lines[0]), lines

@@ -16,12 +16,14 @@ def test_what_is_given_to_flow_out_is_no_inflow(freefem_text, run_folder):
 
 def test_a_lid_that_is_level_to_rounding_lets_nothing_in(freefem_text, run_folder):
     mesh = 'mesh Lid = square(8, 8, [x, y + (y > 0.99 ? 1e-12*sin(40.*x) : 0.)]); int[int] sides = [1, 13, 2, 12, 3, 14, 4, 11]; savemesh(change(Lid, label = sides), "' + str(run_folder) + '.mesh");'
-    lid = THROUGH.replace("[labelBottom, labelTop]", "[labelBottom, labelLeft, labelRight]").replace("[labelLeft, labelRight], f", "[labelTop], f").replace("4*y*(1 - y)", "16*x^2*(1 - x)^2").replace("macro caseStart", "macro none")
+    lid = THROUGH.replace("[labelBottom, labelTop]", "[labelBottom, labelLeft, labelRight]").replace("[labelLeft, labelRight], f",
+        "[labelTop], f").replace("4*y*(1 - y)", "16*x^2*(1 - x)^2").replace("macro caseStart", "macro none")
     freefem_text(mesh + lid, "-mesh", f"{run_folder}.mesh", "-tend", 0.01, "-out", run_folder)
 
 
 def test_a_moving_plate_is_no_inlet_of_the_pressure_drop(freefem_text, run_folder):
-    """Couette-Poiseuille flow between a plate at rest and a moving one: p falls by 8 mu from the inlet to the outlet, whatever the plate does."""
+    """Couette-Poiseuille flow between a plate at rest and a moving one: p falls by 8 mu from the inlet to the outlet, whatever the
+    plate does."""
     scene = """
     include "lib/case.idp"
     optCase("plate", "a channel with a moving lid");
@@ -84,7 +86,8 @@ def test_a_viscous_flow_through_a_diaphragm_follows_its_inflow(coarse, run_folde
     assert fluid["flux_out"][-1] == pytest.approx(fluid["flux_in"][-1], rel=0.1)
 
 
-# A long channel, fine across, where viscosity is all; an inflow that is not symmetric makes a pressure across it, cos(pi y) for the most part.
+# A long channel, fine across, where viscosity is all; an inflow that is not symmetric makes a pressure across it, cos(pi y) for the
+# most part.
 ACROSS = """
 include "lib/case.idp"
 optCase("across", "a pressure across a long viscous channel");
@@ -140,7 +143,8 @@ def test_as_much_leaves_the_jet_as_enters_while_eddies_cross_its_outlet(meshes, 
 
 def test_a_closed_box_keeps_its_pressure(freefem_text, tmp_path, run_folder):
     """What its boundary lets in more than out, here 2e-6, is no reason for a pressure that grows for ever."""
-    text = TURNING.replace("flowMoving = [labelInlet], flowOutlet = [labelOutlet]", "flowMoving = [labelInlet, labelOutlet], flowOutlet(0)")
+    text = TURNING.replace("flowMoving = [labelInlet], flowOutlet = [labelOutlet]", "flowMoving = [labelInlet, labelOutlet], "
+        "flowOutlet(0)")
     text = text.replace("(4*y*(1 - y))", "(4*y*(1 - y)*(1 + 1e-6*(x < 1)))").replace("sin(pi*t)", "1")
     freefem_text(text, "-mesh", mesh(tmp_path, "poiseuille", "--size", 0.125), "-out", run_folder)
     assert abs(read_table(run_folder / "fluid.csv")["pressure_drop"][-1]) < 1

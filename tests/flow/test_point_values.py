@@ -1,4 +1,5 @@
-"""Values at points (lib/flow/point_values.idp): quadratic functions are taken exactly, also by nodes that a period shares, and are 0 outside."""
+"""Values at points (lib/flow/point_values.idp): quadratic functions are taken exactly, also by nodes that a period shares, and are
+0 outside."""
 import numpy as np
 import pytest
 
@@ -41,7 +42,8 @@ def test_values_at_points(periodic, many, freefem_text, tmp_path):
     file = tmp_path / "points.txt"
     file.write_text("\n".join([f"{x.size}", f"{x.size}", *map(repr, x.tolist()), f"{x.size}", *map(repr, y.tolist()), ""]))
     function = "3*y^2 - y + 1" if periodic else "x^2 - 3*x*y + 2*y^2 + y - 4"
-    scene = SCENE.replace("SIDES", SEAMS if periodic else PLAIN).replace("POINTS", str(file)).replace("FUNCTION", function).replace("MANY", str(many))
+    scene = SCENE.replace("SIDES", SEAMS if periodic else PLAIN).replace("POINTS", str(file)).replace("FUNCTION",
+        function).replace("MANY", str(many))
     value = rows(freefem_text(scene.replace("SKEW", "0")).stdout, "value")[:, 0]
     exact = 3 * y**2 - y + 1 if periodic else x**2 - 3 * x * y + 2 * y**2 + y - 4
     outside = (x < 0) | (x > 2) | (y < 0) | (y > 1)
@@ -57,7 +59,8 @@ def test_values_are_those_that_freefem_finds(many, freefem_text, tmp_path):
     file = tmp_path / "points.txt"
     file.write_text("\n".join([f"{x.size}", f"{x.size}", *map(repr, x.tolist()), f"{x.size}", *map(repr, y.tolist()), ""]))
     more = 'matrix P = interpolate(Wh, px, py, t = true); now = P*f[]; for [i, a : now] cout << "second " << a << endl;'
-    scene = SCENE.replace("SIDES", PLAIN).replace("POINTS", str(file)).replace("FUNCTION", "sin(7*x*y)").replace("SKEW", "0.4").replace("MANY", str(many)) + more
+    scene = SCENE.replace("SIDES", PLAIN).replace("POINTS", str(file)).replace("FUNCTION", "sin(7*x*y)").replace("SKEW",
+        "0.4").replace("MANY", str(many)) + more
     text = freefem_text(scene).stdout
     first, second = rows(text, "value")[:, 0], rows(text, "second")[:, 0]
     assert (second == 0).sum() < 60  # the skew mesh does not fill the box
@@ -70,8 +73,10 @@ def test_the_table_finds_its_triangles_without_freefem(freefem_text, tmp_path):
     x, y = rng.uniform(0, 2, 4000), rng.uniform(0, 1, 4000)
     file = tmp_path / "points.txt"
     file.write_text("\n".join([f"{x.size}", f"{x.size}", *map(repr, x.tolist()), f"{x.size}", *map(repr, y.tolist()), ""]))
-    scene = SCENE.replace("[2*x + SKEW*y*(1 - y), y + SKEW*x*(1 - x)*y]", "[2*x^3, y^2]").replace("SIDES", PLAIN).replace("POINTS", str(file))
-    scene = scene.replace("FUNCTION", "x^2 - 3*x*y + 2*y^2 + y - 4").replace("MANY", "1000").replace('include "lib/flow/point_values.idp"', 'include "lib/flow/point_values.idp"\nint asked = 0;')
+    scene = SCENE.replace("[2*x + SKEW*y*(1 - y), y + SKEW*x*(1 - x)*y]", "[2*x^3, y^2]").replace("SIDES", PLAIN).replace("POINTS",
+        str(file))
+    scene = scene.replace("FUNCTION", "x^2 - 3*x*y + 2*y^2 + y - 4").replace("MANY",
+        "1000").replace('include "lib/flow/point_values.idp"', 'include "lib/flow/point_values.idp"\nint asked = 0;')
     text = freefem_text(scene + 'cout << "asked " << cellsAsked << endl;').stdout
     np.testing.assert_allclose(rows(text, "value")[:, 0], x**2 - 3 * x * y + 2 * y**2 + y - 4, atol=1e-12)
     assert rows(text, "asked")[0, 0] < 0.05 * x.size

@@ -32,12 +32,15 @@ real[int] caseFX(0);
 @pytest.mark.parametrize("driver, along", [("resolved", "X"), ("flow", "X"), ("resolved", "Y"), ("flow", "Y")])
 def test_a_force_on_the_fluid_that_a_case_changes_outlives_a_restart(driver, along, tmp_path):
     """caseStep has scaled it for the next step when the checkpoint is written."""
-    text = HELD.replace("macro flowForceX() 1. // EOM\n", SWINGING.replace("flowForceX", "flowForce" + along).replace("flowFX", "flowF" + along)).replace("0, 0, 0, 0)", "0, 0, 0, 1)")
+    text = HELD.replace("macro flowForceX() 1. // EOM\n", SWINGING.replace("flowForceX", "flowForce" + along).replace("flowFX",
+        "flowF" + along)).replace("0, 0, 0, 0)", "0, 0, 0, 1)")
     if driver == "flow":
         lines = [line for line in text.splitlines() if "caseParticles" not in line]
-        text = "\n".join(lines).replace("lib/bodies/bodies.idp", "lib/case.idp").replace(", gravityX = 0, gravityY = 0", "").replace(", motionBound = 1e30", "").replace("resolved.edp", "flow.edp") + "\n"
+        text = "\n".join(lines).replace("lib/bodies/bodies.idp", "lib/case.idp").replace(", gravityX = 0, gravityY = 0",
+            "").replace(", motionBound = 1e30", "").replace("resolved.edp", "flow.edp") + "\n"
     (tmp_path / "scene.edp").write_text(text)
-    whole, broken = broken_off([tmp_path / "scene.edp", "-dt", "0.02", "-every", "0", "-tend", "0.2", "-checkpoint", "4"], tmp_path, 8)
+    whole, broken = broken_off([tmp_path / "scene.edp", "-dt", "0.02", "-every", "0", "-tend", "0.2", "-checkpoint", "4"],
+        tmp_path, 8)
     got, expected = numbers(broken, "fluid.csv"), numbers(whole, "fluid.csv")
     assert np.ptp(expected["kinetic_energy"]) > 0
     for column in expected:
@@ -64,7 +67,8 @@ include "scripts/flow.edp"
 
 @pytest.mark.parametrize("tend, every, keep", [(0.2, 5, 35), (0.05, 7, 7)])
 def test_a_stabilisation_that_has_fallen_to_0_is_on_after_a_restart(tend, every, keep, tmp_path):
-    """With it the diagonal of the velocity's matrix is summed otherwise: to the last digit. Where it is not 0 yet it is that of the speeds of some steps before."""
+    """With it the diagonal of the velocity's matrix is summed otherwise: to the last digit. Where it is not 0 yet it is that of the
+    speeds of some steps before."""
     (tmp_path / "scene.edp").write_text(VORTEX)
     words = [tmp_path / "scene.edp", "-dt", "0.005", "-cfl", "0", "-every", "0", "-tend", tend, "-checkpoint", every]
     whole, broken = broken_off(words, tmp_path, keep)
@@ -91,14 +95,17 @@ def test_a_force_on_the_fluid_that_was_edited_counts_after_a_restart(tmp_path):
 @pytest.mark.parametrize("course, flux", [("10*(now)", 1 / 3), ("((now) < 0.0301 ? 0.5 : 1.)", 2 / 3)], ids=["half", "as at first"])
 @pytest.mark.parametrize("driver", ["resolved", "flow"])
 def test_an_inlet_that_a_case_sets_no_more_is_as_it_was_after_a_restart(driver, course, flux, tmp_path):
-    """caseBoundary scales it until 0.05 s, and says nothing of it from then on. At t = 0 it has another factor than then, in a run that goes on too."""
+    """caseBoundary scales it until 0.05 s, and says nothing of it from then on. At t = 0 it has another factor than then, in a run
+    that goes on too."""
     text = case("bodyDisk(0.5, 0.5, 0.12, 2);", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", gravity=0,
                 more="macro boundaryU() (4*y*(1 - y)) // EOM\nmacro caseBoundary(now) if (now < 0.0501) inflowScale(labelLeft, COURSE); // EOM".replace("COURSE", course))
     if driver == "flow":
         lines = [line for line in text.splitlines() if "caseParticles" not in line]
-        text = "\n".join(lines).replace(", gravityX = 0, gravityY = 0", "").replace(", motionBound = 1e30", "").replace("resolved.edp", "flow.edp") + "\n"
+        text = "\n".join(lines).replace(", gravityX = 0, gravityY = 0", "").replace(", motionBound = 1e30",
+            "").replace("resolved.edp", "flow.edp") + "\n"
     (tmp_path / "scene.edp").write_text(text)
-    whole, broken = broken_off([tmp_path / "scene.edp", "-every", "0", "-cfl", "0", "-dt", "0.01", "-tend", "0.12", "-checkpoint", "4"], tmp_path, 8)
+    whole, broken = broken_off([tmp_path / "scene.edp", "-every", "0", "-cfl", "0", "-dt", "0.01", "-tend", "0.12", "-checkpoint",
+        "4"], tmp_path, 8)
     got, expected = numbers(broken, "fluid.csv"), numbers(whole, "fluid.csv")
     assert expected["flux_in"][-1] == pytest.approx(flux, rel=1e-3)
     for column in expected:

@@ -1,4 +1,5 @@
-"""Forces on walls: the flow alone, a closed box, the work of a lid, and the viscosity of a suspension against a body-fitted computation."""
+"""Forces on walls: the flow alone, a closed box, the work of a lid, and the viscosity of a suspension against a body-fitted
+computation."""
 import numpy as np
 import pytest
 
@@ -59,7 +60,8 @@ def test_a_disk_adds_the_viscosity_of_a_body_fitted_computation(freefem, freefem
     words = freefem_text(FITTED.format(radius=radius)).stdout.split("viscosity ")[1].split()
     exact, omega = float(words[0]), float(words[2])
     assert exact - 1 == pytest.approx(2 * np.pi * radius**2, rel=0.25)  # Einstein, in two dimensions and far from walls
-    freefem(SUSPENSION, "-fraction", "0", "-particles", disk(tmp_path, radius), "-convection", "0", "-dt", "0.0025", "-tend", "0.4", "-tolerance", "1e-7", "-out", tmp_path / "run")
+    freefem(SUSPENSION, "-fraction", "0", "-particles", disk(tmp_path, radius), "-convection", "0", "-dt", "0.0025", "-tend",
+        "0.4", "-tolerance", "1e-7", "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     walls = read_table(tmp_path / "run" / "wallforces.csv")
     found = [abs(walls["fx"][walls["label"] == label][-1]) for label in (13, 14)]
@@ -69,7 +71,8 @@ def test_a_disk_adds_the_viscosity_of_a_body_fitted_computation(freefem, freefem
 
 
 def test_the_walls_of_a_closed_box_feel_what_its_momentum_misses(freefem, tmp_path):
-    freefem("cases/settling_disk.edp", "-tend", "0.05", "-every", "0", "-cfl", "0", "-budget", "1", "-wallforces", "1", "-out", tmp_path / "run")
+    freefem("cases/settling_disk.edp", "-tend", "0.05", "-every", "0", "-cfl", "0", "-budget", "1", "-wallforces", "1", "-out",
+        tmp_path / "run")
     walls, budget = (read_table(tmp_path / "run" / f"{name}.csv") for name in ("wallforces", "budget"))
     assert set(walls["label"]) == {3}
     for axis in "xy":
@@ -79,12 +82,14 @@ def test_the_walls_of_a_closed_box_feel_what_its_momentum_misses(freefem, tmp_pa
     assert abs(total).max() > 1
 
 
-CHANNEL = case("", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() (6*y*(1 - y)) // EOM", mu=0.1, gravity=0)
+CHANNEL = case("", walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight", more="macro boundaryU() (6*y*(1 - y)) "
+    "// EOM", mu=0.1, gravity=0)
 
 
 @pytest.mark.parametrize("convection", [0, 1])
 def test_the_force_at_an_inlet_is_that_of_its_pressure(convection, freefem_text, tmp_path):
-    freefem_text(CHANNEL, "-wallforces", 1, "-convection", convection, "-dt", 0.05, "-tend", 8, "-every", 8, "-tolerance", 1e-8, "-out", tmp_path / "run")
+    freefem_text(CHANNEL, "-wallforces", 1, "-convection", convection, "-dt", 0.05, "-tend", 8, "-every", 8, "-tolerance", 1e-8,
+        "-out", tmp_path / "run")
     walls = read_table(tmp_path / "run" / "wallforces.csv")
     force = {int(label): fx for label, fx in zip(walls["label"], walls["fx"])}
     # developed: the walls take 2 * 6 mu of a channel of length 1, the inlet gives it; across they bear the mean pressure
@@ -101,7 +106,8 @@ AT_REST = "macro flowForceY() (-1.) // EOM\nmacro caseStart() { Qh start = 0.5 -
 def test_each_side_of_a_box_at_rest_bears_its_own_pressure(slip, freefem_text, tmp_path):
     sides = {"labelLeft": 11, "labelRight": 12, "labelBottom": 13, "labelTop": 14}
     walls = [name for name in sides if name not in slip]
-    freefem_text(case("", walls=", ".join(walls), slip=slip, more=AT_REST, gravity=0), "-wallforces", 1, "-dt", 0.05, "-tend", 0.1, "-out", tmp_path / "run")
+    freefem_text(case("", walls=", ".join(walls), slip=slip, more=AT_REST, gravity=0), "-wallforces", 1, "-dt", 0.05, "-tend", 0.1,
+        "-out", tmp_path / "run")
     rows = read_table(tmp_path / "run" / "wallforces.csv")
     exact = {11: (0, 0), 12: (0, 0), 13: (0, -0.5), 14: (0, -0.5)}  # of a pressure 0.5 - y
     assert set(rows["label"]) == {sides[name] for name in walls}
@@ -112,8 +118,10 @@ def test_each_side_of_a_box_at_rest_bears_its_own_pressure(slip, freefem_text, t
 def test_a_side_bears_the_whole_stress_where_its_velocity_varies(freefem_text, tmp_path):
     """A uniform shear u = y given all round: the sides that let it in and out bear mu along y, too."""
     sides = "labelLeft, labelRight, labelBottom, labelTop"
-    text = case("", walls="", moving=sides, more="macro boundaryU() y // EOM\nmacro caseStart() { Wh shear = y; flowU = shear[]; } // EOM", mu=0.1, gravity=0)
-    freefem_text(text, "-wallforces", 1, "-convection", 0, "-dt", 0.05, "-tend", 0.1, "-every", 0.1, "-tolerance", 1e-10, "-out", tmp_path / "run")
+    text = case("", walls="", moving=sides, more="macro boundaryU() y // EOM\nmacro caseStart() { Wh shear = y; flowU = shear[]; "
+        "} // EOM", mu=0.1, gravity=0)
+    freefem_text(text, "-wallforces", 1, "-convection", 0, "-dt", 0.05, "-tend", 0.1, "-every", 0.1, "-tolerance", 1e-10, "-out",
+        tmp_path / "run")
     rows = read_table(tmp_path / "run" / "wallforces.csv")
     exact = {11: (0, 0.1), 12: (0, -0.1), 13: (0.1, 0), 14: (-0.1, 0)}
     assert set(rows["label"]) == set(exact)
@@ -136,14 +144,17 @@ def bump(file):
 
 @pytest.mark.parametrize("floor", ["wall", "slip"])
 def test_a_flow_alone_has_the_forces_of_one_with_particles(floor, freefem_text, tmp_path):
-    """On all walls, and on a cylinder that ends at the floor: forces.csv counted what the floor bears at their common nodes to it (lift 3 % too large)."""
+    """On all walls, and on a cylinder that ends at the floor: forces.csv counted what the floor bears at their common nodes to it
+    (lift 3 % too large)."""
     mesh, runs = tmp_path / "bump.mesh", {}
-    text = bump(mesh) + case("", walls="labelCylinder, labelWall" if floor == "wall" else "labelCylinder", slip="labelWall" if floor == "slip" else "",
+    text = bump(mesh) + case("", walls="labelCylinder, labelWall" if floor == "wall" else "labelCylinder", slip="labelWall"
+        if floor == "slip" else "",
                              moving="labelLeft, labelTop", outlet="labelRight", more="macro boundaryU() y // EOM", mu=1, gravity=0)
     for driver in ("resolved", "flow"):
         own = text if driver == "resolved" else text.replace("resolved.edp", "flow.edp").replace(", gravityX = 0, gravityY = 0", "")
         forces = ["-forces", 1] if driver == "flow" else []
-        freefem_text(own, "-mesh", mesh, "-wallforces", 1, *forces, "-dt", 0.02, "-tend", 0.1, "-every", 0.1, "-tolerance", 1e-8, "-out", tmp_path / driver)
+        freefem_text(own, "-mesh", mesh, "-wallforces", 1, *forces, "-dt", 0.02, "-tend", 0.1, "-every", 0.1, "-tolerance", 1e-8,
+            "-out", tmp_path / driver)
         runs[driver] = read_table(tmp_path / driver / "wallforces.csv")
     for name in ("label", "fx", "fy"):
         np.testing.assert_allclose(runs["flow"][name], runs["resolved"][name], atol=1e-9)
@@ -153,7 +164,8 @@ def test_a_flow_alone_has_the_forces_of_one_with_particles(floor, freefem_text, 
 
 
 def test_a_journal_bearing_bears_what_wannier_says_after_some_steps(freefem_text, tmp_path):
-    """A cylinder that turns off the middle of another one, mu dt/(rho gap^2) above 100. In a closed flow, too, the walls hold the fluid within a step:
+    """A cylinder that turns off the middle of another one, mu dt/(rho gap^2) above 100. In a closed flow, too, the walls hold the
+    fluid within a step:
     without that the force was at 0.82 of its value after 50 steps, in narrower gaps at 0.06."""
     mesh, inner, outer, off, mu = tmp_path / "bearing.mesh", 0.5, 1, 0.25, 1000
     rings = f"""
@@ -163,18 +175,21 @@ def test_a_journal_bearing_bears_what_wannier_says_after_some_steps(freefem_text
     """
     more = f"macro boundaryU() (-y) // EOM\nmacro boundaryV() (x - {off}) // EOM"
     text = rings + case("", walls="labelWall", moving="labelCylinder", more=more, mu=mu, gravity=0)
-    freefem_text(text, "-mesh", mesh, "-wallforces", 1, "-dt", 0.02, "-tend", 0.6, "-every", 0.6, "-tolerance", 1e-7, "-out", tmp_path / "run")
+    freefem_text(text, "-mesh", mesh, "-wallforces", 1, "-dt", 0.02, "-tend", 0.6, "-every", 0.6, "-tolerance", 1e-7, "-out",
+        tmp_path / "run")
     rows = read_table(tmp_path / "run" / "wallforces.csv")
     # bipolar coordinates of the two cylinders: Quart. Appl. Math. 8 (1950) 1
     pole = np.sqrt(((outer + inner) ** 2 - off**2) * ((outer - inner) ** 2 - off**2)) / (2 * off)
     a, b = np.arcsinh(pole / inner), np.arcsinh(pole / outer)
-    across = 4 * np.pi * mu * inner * np.sinh(b) * np.sinh(a - b) / ((a - b) * (np.sinh(a) ** 2 + np.sinh(b) ** 2) - 2 * np.sinh(a) * np.sinh(b) * np.sinh(a - b))
+    across = 4 * np.pi * mu * inner * np.sinh(b) * np.sinh(a - b) / ((a - b) * (np.sinh(a) ** 2 + np.sinh(b) ** 2) - 2
+        * np.sinh(a) * np.sinh(b) * np.sinh(a - b))
     for label, sign in ((6, 1), (3, -1)):
         fx, fy = (rows[name][rows["label"] == label][-1] for name in ("fx", "fy"))
         assert fy == pytest.approx(sign * across, rel=0.015) and abs(fx) < 0.005 * across
 
 
-# The lid moves faster in its middle than at its ends, where it meets the walls; nothing of the budget is taken from the library: the shear at the lid, the strain and the
+# The lid moves faster in its middle than at its ends, where it meets the walls; nothing of the budget is taken from the library:
+# the shear at the lid, the strain and the
 # kinetic energy of fluid and disk (twice as heavy) are integrated here.
 LID = """macro boundaryU() (16*(x*(1 - x))^2) // EOM
 macro caseStart() outHeader("lid.csv", "t,work,dissipation,energy"); // EOM
@@ -190,21 +205,25 @@ macro caseStep() {
 def budget(freefem_text, folder, cells, dt):
     folder.mkdir()
     text = f'int[int] sides = [13, 12, 14, 11];\nsavemesh(square({cells}, {cells}, label = sides, flags = 2), "{folder}/box.mesh");\n'
-    text += case("bodyDisk(0.45, 0.6, 0.12, 2);", walls="labelLeft, labelRight, labelBottom", moving="labelTop", mu=0.05, gravity=-1, more=LID)
+    text += case("bodyDisk(0.45, 0.6, 0.12, 2);", walls="labelLeft, labelRight, labelBottom", moving="labelTop", mu=0.05,
+        gravity=-1, more=LID)
     freefem_text(text, "-mesh", folder / "box.mesh", "-dt", dt, "-cfl", 0, "-every", 0, "-tend", 1, "-out", folder / "run")
     run = RunFolder(folder / "run")
     table, disk = run.table("lid"), run.particles
-    area, moment = np.pi * 0.12**2, np.pi * 0.12**4 / 2  # the disk's own mass over the fluid's that it displaces: 2 - 1 is not in the integral of the mesh
+    # the disk's own mass over the fluid's that it displaces: 2 - 1 is not in the integral of the mesh
+    area, moment = np.pi * 0.12**2, np.pi * 0.12**4 / 2
     energy = table["energy"] + 0.5 * area * (disk["u"]**2 + disk["v"]**2) + 0.5 * moment * disk["omega"]**2
     fallen = area * (0.6 - disk["y"])
     steps = np.diff(table["t"])
-    sums = {name: np.concatenate([[0], np.cumsum(0.5 * (table[name][1:] + table[name][:-1]) * steps)]) for name in ("work", "dissipation")}
+    sums = {name: np.concatenate([[0], np.cumsum(0.5 * (table[name][1:] + table[name][:-1]) * steps)]) for name in ("work",
+        "dissipation")}
     return table["t"], sums, energy - energy[0], fallen - fallen[0]
 
 
 @pytest.mark.parametrize("cells, dt, most", [(16, 0.02, 0.01), (24, 0.01, 0.004)])
 def test_the_work_of_a_lid_is_stored_lifts_a_disk_or_is_dissipated(cells, dt, most, freefem_text, tmp_path):
-    """Four and six elements across the disk, from 0.2 s on, behind the start at once. 1.4 % of the work lifts the disk, 3.6 % is kinetic energy, the rest is dissipated."""
+    """Four and six elements across the disk, from 0.2 s on, behind the start at once. 1.4 % of the work lifts the disk, 3.6 % is
+    kinetic energy, the rest is dissipated."""
     t, sums, energy, fallen = budget(freefem_text, tmp_path / "lid", cells, dt)
     begin = np.searchsorted(t, 0.2)
     work, dissipated, stored, given = (values[-1] - values[begin] for values in (sums["work"], sums["dissipation"], energy, fallen))

@@ -30,9 +30,12 @@ def test_rigid_sets_are_those_of_a_numpy_twin(freefem_text, periodic):
 
 @pytest.mark.parametrize("periodic", [False, True])
 def test_rigid_sets_of_moving_disks(freefem_text, periodic):
-    """Candidates are looked for ahead of the disks; fast and slow ones, that turn back or cross the seam, have the nodes of the twin at each step."""
-    disks, steps = np.array([(0.31, 0.42, 0.127), (0.62, 0.71, 0.09), (0.85 if periodic else 0.75, 0.3, 0.11), (0.5, 0.1, 0.06)]), 48
-    pace = 0.012 * np.array([(0.1, 0.4), (-1, 0.2), (1.1 if periodic else -0.3, 0.1), (0.0, 0.0)])  # a step; back after half of them
+    """Candidates are looked for ahead of the disks; fast and slow ones, that turn back or cross the seam, have the nodes of the
+    twin at each step."""
+    disks, steps = np.array([(0.31, 0.42, 0.127), (0.62, 0.71, 0.09), (0.85 if periodic else 0.75, 0.3, 0.11),
+        (0.5, 0.1, 0.06)]), 48
+    # a step; back after half of them
+    pace = 0.012 * np.array([(0.1, 0.4), (-1, 0.2), (1.1 if periodic else -0.3, 0.1), (0.0, 0.0)])
     moves = np.repeat([pace, -pace], steps // 2, axis=0)
     places, more = disks[:, :2] + np.cumsum(moves, axis=0), ""
     for step, move in enumerate(moves):
@@ -46,7 +49,8 @@ def test_rigid_sets_of_moving_disks(freefem_text, periodic):
         found = [(int(k), int(d)) for _, k, d in at[at[:, 0] == step]]
         assert set(found) == expected and len(found) == len(expected) > 60, step
     looks, path = rows(out, "refreshed")[0, 0], steps * np.hypot(*pace.T).max()
-    assert looks <= 3 + path / (1.8 / 16)  # the fastest goes 1.9 skins, of an element each, from one look to the next but the first and the turn
+    # the fastest goes 1.9 skins, of an element each, from one look to the next but the first and the turn
+    assert looks <= 3 + path / (1.8 / 16)
 
 
 def test_a_disk_without_nodes_is_refused(freefem, tmp_path):

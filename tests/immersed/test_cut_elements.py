@@ -51,7 +51,8 @@ def test_the_parts_inside_add_up_to_the_body(freefem_text, semi):
     assert (cut[:, 1] == inside(cut[:, 5], cut[:, 6])).all()
     share = cut[:, 4] / CELLS**2 / 2
     total = inner_elements(rows(out, "place"), inside) + [share.sum(), (share * cut[:, 5]).sum(), (share * cut[:, 6]).sum()]
-    assert total[0] == pytest.approx(np.pi * a * b, rel=0.01)  # the rest lies in elements whose nodes are all outside, and in the sum over parts
+    # the rest lies in elements whose nodes are all outside, and in the sum over parts
+    assert total[0] == pytest.approx(np.pi * a * b, rel=0.01)
     assert total[1:] / total[0] == pytest.approx([x0, y0], abs=0.003 * a)
 
 
@@ -70,10 +71,12 @@ for (int i = 0; i < flowNq; ++i) cout << "vertex " << r[i] << endl;
 
 
 def twin(nodes, bodies, motions, size):
-    """grad q . I of lib/immersed/cut_flux.idp, the integrals by sums over many points of each cut element; the bodies that cut each of these."""
+    """grad q . I of lib/immersed/cut_flux.idp, the integrals by sums over many points of each cut element; the bodies that cut each
+    of these."""
     fine = 60
     a, b = np.meshgrid(np.arange(fine), np.arange(fine), indexing="ij")
-    points = np.vstack([np.column_stack([((a + s) / fine).ravel(), ((b + s) / fine).ravel()])[(a + b < fine - (s > 0.5)).ravel()] for s in (1 / 3, 2 / 3)])
+    points = np.vstack([np.column_stack([((a + s) / fine).ravel(), ((b + s) / fine).ravel()])[(a + b < fine - (s > 0.5)).ravel()]
+        for s in (1 / 3, 2 / 3)])
     l1, l2 = points.T
     l0 = 1 - l1 - l2
     phi = np.array([l0 * (2 * l0 - 1), l1 * (2 * l1 - 1), l2 * (2 * l2 - 1), 4 * l1 * l2, 4 * l0 * l2, 4 * l0 * l1])
@@ -97,12 +100,14 @@ def twin(nodes, bodies, motions, size):
             for component, w in enumerate((u - mu + mw * (y - by), v - mv - mw * (x - bx))):
                 slope = (w * reach).sum() / ((reach**2).sum() + 0.01 * ((radius - far)[rigid]**2).sum())
                 ghost = -slope * (radius - far)[rigid]
-                found[vertex[:3].astype(int)] += grad[:, component] * twice / 2 * ((ghost * outside[rigid]).sum() - (w * inside)[~rigid].sum())
+                found[vertex[:3].astype(int)] += grad[:, component] * twice / 2 * ((ghost * outside[rigid]).sum()
+                    - (w * inside)[~rigid].sum())
     return found, np.array(cuts)
 
 
 def test_the_flux_is_that_of_a_numpy_twin_also_where_two_disks_share_an_element(freefem_text):
-    bodies, motions = [(0.31, 0.42, 0.127), (0.545, 0.42, 0.1), (0.7, 0.7, 0.16)], [(0.3, -0.2, 0.7), (1.0, 0.4, -2.0), (-0.5, 0.1, 1.0)]
+    bodies, motions = [(0.31, 0.42, 0.127), (0.545, 0.42, 0.1), (0.7, 0.7, 0.16)], [(0.3, -0.2, 0.7), (1.0, 0.4, -2.0),
+        (-0.5, 0.1, 1.0)]
     motion = "[" + ", ".join(str(m[k]) for k in range(3) for m in motions) + "]"
     out = run(freefem_text, disks(bodies), FLUX.replace("MOTION", motion))
     total, largest, pairs = rows(out, "sum")[0]
@@ -132,7 +137,8 @@ def test_small_bodies_and_none_cut_nothing(freefem_text):
 
 @pytest.mark.parametrize("place", [(0.5, 0.5), (0.513, 0.527)])
 def test_a_cylinder_that_nearly_fills_its_period_is_cut_where_it_is(place, freefem, tmp_path):
-    """Solid fraction 0.75: the nodes beyond the gap are those of its neighbour's side. The force on the fluid is what holds the cylinder (0.4 of it before)."""
+    """Solid fraction 0.75: the nodes beyond the gap are those of its neighbour's side. The force on the fluid is what holds the
+    cylinder (0.4 of it before)."""
     freefem("cases/cylinder_array.edp", "-fraction", 0.75, "-x", place[0], "-y", place[1], "-out", tmp_path / "run")
     drag = RunFolder(tmp_path / "run").table("summary")
     assert drag["drag"][-1] == pytest.approx(drag["drag_by_balance"][-1], rel=1e-4) and drag["drag"][-1] > 4e4
@@ -150,7 +156,8 @@ cout << "whole " << rigidCount << " " << same.linfty << " " << size.min << " " <
 
 def test_a_body_is_resolved_as_a_whole_where_elements_differ(freefem_text):
     """Disks of two elements across in a mesh whose elements are not of one size: node by node some were both at once."""
-    text = script([], False, GRADED).replace("rigidSetUp();", disks([(0.12 + 0.15 * k, 0.12 + 0.15 * j, 0.062) for k in range(6) for j in range(6)]) + "\nrigidSetUp();", 1)
+    text = script([], False, GRADED).replace("rigidSetUp();", disks([(0.12 + 0.15 * k, 0.12 + 0.15 * j, 0.062) for k in range(6)
+        for j in range(6)]) + "\nrigidSetUp();", 1)
     text = text.replace("real flowPeriodX", "Th = movemesh(Th, [0.4*x + 0.6*x^2, y]);\nreal flowPeriodX", 1)
     assert "movemesh" in text
     count, differ, least, most, resolved = rows(freefem_text(text).stdout, "whole")[0]

@@ -45,7 +45,8 @@ def feet(rx, ry, a, b, turn):
 
 
 def twin(rx, ry, shape, strain, viscosity, convection):
-    """Ghost values of the field u = (3 y - 1 + e x, 2 x - e y), by the formulas of lib/immersed/ghost_values.idp and lib/immersed/ghost_profile.idp."""
+    """Ghost values of the field u = (3 y - 1 + e x, 2 x - e y), by the formulas of lib/immersed/ghost_values.idp and
+    lib/immersed/ghost_profile.idp."""
     depth, nx, ny, curvature = feet(rx, ry, *shape)
     resolved = 2 / curvature > 1.9 * SIZE
     curvature, convection = np.where(resolved, curvature, 0), convection * resolved
@@ -150,7 +151,8 @@ for (int d = 0; d < 2; ++d) {
 
 
 def test_outer_points_in_another_body_or_in_a_wall_do_not_count(freefem_text):
-    """Where the first one lies there g is 0, where only the second does it is along the straight line to the first: of a slip s there, - s times depth over distance in xi."""
+    """Where the first one lies there g is 0, where only the second does it is along the straight line to the first: of a slip s
+    there, - s times depth over distance in xi."""
     disks = [(0.16, 0.5, 0.127), (0.44, 0.52, 0.13)]
     ask = """
 real[int] u(flowNw), v(flowNw), q(6), fu(flowNw), fv(flowNw);
@@ -173,11 +175,13 @@ for [i, k : ghostAt] cout << "at " << rigidOwner[k] << " " << rigidX[k] << " " <
     line = ny * depth / (1 - bend * depth) / (size / (1 + bend * size))  # of the slip (1, 0) along (-ny, nx), which is - ny
     dry, straight = first == 0, (first == 1) & (second == 0)
     assert dry.sum() > 5 and straight.sum() > 5 and np.hypot(gu, gv)[dry].max() == 0
-    np.testing.assert_allclose([gu[straight], gv[straight]], [-line[straight] * ny[straight], line[straight] * nx[straight]], atol=1e-9)
+    np.testing.assert_allclose([gu[straight], gv[straight]], [-line[straight] * ny[straight], line[straight] * nx[straight]],
+        atol=1e-9)
 
 
 def test_the_nodes_left_out_are_no_force_on_anything(freefem_text):
-    """K g of any g at the rigid nodes that are not asked: 0 at the nodes outside and in each body's sums. The two disks share elements."""
+    """K g of any g at the rigid nodes that are not asked: 0 at the nodes outside and in each body's sums. The two disks share
+    elements."""
     ask = """
 bodyEllipse(0.27, 0.3, 0.2, 0.13, 0.6, 1.); rigidStale = 1; rigidFind();
 ghostFew = 0; cutSetUp(); cutFind(); ghostFind();

@@ -13,7 +13,8 @@ SWAP = {11: "labelLeft", 12: "labelRight", 13: "labelBottom", 14: "labelTop"}
 
 
 def mirrored(half, plane):
-    """The whole of a mesh of the unit square and its image beyond x = 0 (plane 11) or y = 1 (14); the far side of the image has the label 12 or 13."""
+    """The whole of a mesh of the unit square and its image beyond x = 0 (plane 11) or y = 1 (14); the far side of the image has the
+    label 12 or 13."""
     axis, at = (0, 0.0) if plane == 11 else (1, 1.0)
     image = half.points.copy()
     image[:, axis] = 2 * at - image[:, axis]
@@ -24,7 +25,8 @@ def mirrored(half, plane):
                      np.vstack([half.edges[kept], place[half.edges[kept]]]), np.concatenate([half.labels[kept]] * 2))
 
 
-# the plane across which the whole holds the image, other planes of symmetry of both, bodies of the half as (x, y, semi-axes, angle, density, velocity), gravity
+# the plane across which the whole holds the image, other planes of symmetry of both, bodies of the half as (x, y, semi-axes, angle,
+# density, velocity), gravity
 SCENES = {
     "along": (11, [], [(0.17, 0.6, 0.14, 0.14, 0, 3.0, 0, 0), (0.6, 0.7, 0.13, 0.13, 0, 1.5, 0, 0)], -1),
     "an ellipse": (11, [], [(0.21, 0.6, 0.19, 0.14, 0.4, 3.0, 0, 0)], -1),
@@ -51,7 +53,8 @@ def test_half_of_a_scene_moves_as_the_whole(scene, freefem_text, tmp_path):
         planes = others + [plane] * (name == "half")
         walls = [label for number, label in SWAP.items() if number not in (plane, *others)]
         text = case("{ " + " ".join(words) + " }", walls=", ".join(walls), slip=", ".join(SWAP[k] for k in planes), gravity=gravity)
-        freefem_text(text, "-mesh", tmp_path / f"{name}.mesh", "-tend", 0.6, "-every", 0, "-cfl", 0, "-tolerance", 1e-12, "-out", tmp_path / name)
+        freefem_text(text, "-mesh", tmp_path / f"{name}.mesh", "-tend", 0.6, "-every", 0, "-cfl", 0, "-tolerance", 1e-12, "-out",
+            tmp_path / name)
         rows = RunFolder(tmp_path / name).particles
         mine = rows["id"] < len(bodies)
         places.append(np.column_stack([rows[column][mine] for column in ("x", "y", "theta", "u", "v", "omega")]))

@@ -61,7 +61,8 @@ def test_freefem_reads_every_default_mesh_with_its_labels(freefem_text):
         " cout << endl; }\n"
         for case in CASES
     )
-    printed = {line.split()[0]: line.split()[1:] for line in freefem_text("cout.precision(12);\n" + script).stdout.splitlines() if line}
+    printed = {line.split()[0]: line.split()[1:] for line in freefem_text("cout.precision(12);\n" + script).stdout.splitlines()
+        if line}
     for case in CASES:
         mesh = read_medit(ROOT / "meshes" / f"{case}.mesh")
         numbers = list(map(float, printed[case]))
@@ -164,7 +165,8 @@ def test_corridor_is_uniform_and_fine():
     assert len(mesh.points) == 17 * 49
     for pattern in ("right", "unstructured"):
         outline, short = built("box_corridor", "--size", 0.05, "--corridor-bottom", 2, "--corridor-top", 4, "--pattern", pattern)
-        assert faults(short, outline) == [] and len(short.points) < 0.75 * len(built("box_corridor", "--size", 0.05, "--pattern", pattern)[1].points)
+        assert faults(short, outline) == [] and len(short.points) < 0.75 * len(built("box_corridor", "--size", 0.05, "--pattern",
+            pattern)[1].points)
         inside, below, above = sizes_at(short, [(1.0, 3.0), (1.0, 0.3), (1.0, 5.7)])
         assert min(below, above) > 1.5 * inside
 
@@ -183,7 +185,8 @@ def test_a_stream_is_fine_where_a_body_moves_little():
 )  # fmt: skip
 def test_any_pipe_is_sound_or_refused(position, thickness, opening, triangle, base, height):
     words = [
-        "pipe_obstacles", "--size", 0.02, "--diaphragm-position", position, "--diaphragm-thickness", thickness, "--diaphragm-opening",
+        "pipe_obstacles", "--size", 0.02, "--diaphragm-position", position, "--diaphragm-thickness", thickness,
+            "--diaphragm-opening",
         opening, "--obstacle-position", triangle, "--obstacle-base", base, "--obstacle-height", height,
     ]  # fmt: skip
     try:
@@ -234,7 +237,8 @@ BAD = [
     (["box_corridor", "--height", 1e-30], "too large for the height of the box"),
     (["cylinder_channel", "--radius", 1e-30], "corners are one point"),
     (["sprung_cylinder", "--coarse-factor", 1e30], "too large for a side"),
-    *(([case, "--size", 1e-15], "vertices") for case in ("box", "box_corridor", "backward_step", "sudden_expansion", "couette", "sprung_cylinder")),
+    *(([case, "--size", 1e-15], "vertices") for case in ("box", "box_corridor", "backward_step", "sudden_expansion", "couette",
+        "sprung_cylinder")),
     (["backward_step", "--size", 1], "too large"),
     (["sudden_expansion", "--ratio", 1], "larger than 1"),
 ]
@@ -243,7 +247,8 @@ BAD = [
 def test_a_box_of_nanometres_has_the_cells_of_one_of_units():
     """Grid points were rounded to the 14th decimal, which is the third digit of such a cell."""
     words = {"--width": 2, "--height": 6, "--corridor-position": 1, "--corridor-width": 0.75, "--size": 1 / 16}
-    (_, one), (_, tiny) = (built("box_corridor", *(word for name, value in words.items() for word in (name, unit * value))) for unit in (1, 1e-9))
+    (_, one), (_, tiny) = (built("box_corridor", *(word for name, value in words.items() for word in (name, unit * value)))
+        for unit in (1, 1e-9))
     np.testing.assert_allclose(tiny.points * 1e9, one.points, rtol=0, atol=1e-12)
 
 
@@ -316,17 +321,20 @@ def test_make_returns_no_fault():
 def test_what_is_no_mesh_is_not_written_over(tmp_path):
     note = tmp_path / "note.mesh"
     note.write_text("precious")
-    for name, complaint in ((note, "is no mesh"), (tmp_path / "README.md", "ends with .mesh"), (tmp_path / "my box.mesh", "without spaces")):
+    for name, complaint in ((note, "is no mesh"), (tmp_path / "README.md", "ends with .mesh"), (tmp_path / "my box.mesh",
+        "without spaces")):
         run = command("box", "--size", 0.5, "--out", name)
         assert run.returncode == 3 and complaint in run.stderr and len(run.stderr.splitlines()) == 1
     assert note.read_text() == "precious" and [file.name for file in tmp_path.iterdir()] == ["note.mesh"]
-    assert command("box", "--size", 0.5, "--out", tmp_path / "box.mesh").returncode == 0 == command("box", "--size", 0.4, "--out", tmp_path / "box.mesh").returncode
+    assert command("box", "--size", 0.5, "--out", tmp_path / "box.mesh").returncode == 0 == command("box", "--size", 0.4, "--out",
+        tmp_path / "box.mesh").returncode
 
 
 def test_the_template_runs_on_the_mesh_of_its_header(freefem, tmp_path):
     lines = re.findall(r"^//   (.*)$", (ROOT / "cases" / "template.edp").read_text(), re.MULTILINE)
     file = tmp_path / "my.mesh"
-    make_it, run_it = ([str(file) if word == "results/my.mesh" else word for word in line.split()] for line in lines if "results/my.mesh" in line)
+    make_it, run_it = ([str(file) if word == "results/my.mesh" else word for word in line.split()] for line in lines
+        if "results/my.mesh" in line)
     assert make_it[:3] == ["python", "-m", "tools.mesh"] and run_it[:2] == ["FreeFem++", "-nw"]
     assert command(*make_it[3:]).returncode == 0
     freefem(*run_it[2:], "-tend", 0.005, "-out", tmp_path / "run")

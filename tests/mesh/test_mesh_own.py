@@ -32,7 +32,8 @@ Physical Curve("lid") = {2}; // within the domain: no side of it
 
 def command(*words):
     """python -m tools.mesh in a process of its own: gmsh keeps what a script has set."""
-    return subprocess.run([sys.executable, "-m", "tools.mesh", *map(str, words)], cwd=ROOT, capture_output=True, text=True, timeout=120)
+    return subprocess.run([sys.executable, "-m", "tools.mesh", *map(str, words)], cwd=ROOT, capture_output=True, text=True,
+        timeout=120)
 
 
 def made(folder, text, *words, name="my.geo"):
@@ -92,14 +93,17 @@ def test_a_mesh_by_gmsh_gives_the_same(version, tmp_path):
     (SCRIPT.replace("Point(3) = {3, 1, 0, h}", "Point(3) = {3, 1, 1, h}"), "my.geo", "gmsh|not plane"),
     ("", "my.geo", "no triangles"),
     ("nonsense", "my.msh", "gmsh|no triangles"),
-    ("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n1 3 \"wall\"\n$EndPhysicalNames\n$Nodes\n2\n1 0 0 0\n2 1 0 0\n$EndNodes\n$Elements\n1\n1 1 2 3 1 1 2\n$EndElements\n",
+    ("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n1 3 \"wall\"\n$EndPhysicalNames\n$Nodes\n2\n1 0 0 0\n2 1 0 "
+        "0\n$EndNodes\n$Elements\n1\n1 1 2 3 1 1 2\n$EndElements\n",
      "my.msh", "add a Physical Surface"),
     (SCRIPT, "my.step", "takes a gmsh script"),
     (SCRIPT.rstrip("\n"), "my.geo", "ends without a newline"),
     (SCRIPT + "Mesh.ScalingFactor = 0;\n", "my.geo", "must be above 0"),
-    (SCRIPT + "Transfinite Surface {2}; Recombine Surface {2};\n", "my.geo", "only triangles of three nodes are taken: leave out Recombine"),
+    (SCRIPT + "Transfinite Surface {2}; Recombine Surface {2};\n", "my.geo", "only triangles of three nodes are taken: leave out "
+        "Recombine"),
     (SCRIPT + "Recombine Surface {1, 2};\n", "my.geo", "quadrilaterals of 4 nodes"),
-    (SCRIPT + "Mesh.ElementOrder = 2;\n", "my.geo", "triangles of 6 nodes; only triangles of three nodes are taken: leave out Mesh.ElementOrder"),
+    (SCRIPT + "Mesh.ElementOrder = 2;\n", "my.geo", "triangles of 6 nodes; only triangles of three nodes are taken: leave out "
+        "Mesh.ElementOrder"),
 ])
 def test_what_is_no_domain_is_refused_in_one_line(text, name, words, tmp_path):
     done = made(tmp_path, text, name=name)
@@ -124,7 +128,8 @@ def edge_lengths(mesh):
     return np.linalg.norm(np.diff(mesh.points[edges], axis=1)[:, 0], axis=1)
 
 
-@pytest.mark.parametrize("line, size, largest", [("Mesh.MeshSizeMax = 0.06;", 0.2, 0.09), ("Mesh.MeshSizeFactor = 2;", 0.1, 0.15), ("Mesh.MeshSizeMin = 0.2;", 0.1, 0.15)])
+@pytest.mark.parametrize("line, size, largest", [("Mesh.MeshSizeMax = 0.06;", 0.2, 0.09), ("Mesh.MeshSizeFactor = 2;", 0.1, 0.15),
+    ("Mesh.MeshSizeMin = 0.2;", 0.1, 0.15)])
 def test_a_size_bounds_the_elements_and_makes_none_coarser(line, size, largest, tmp_path):
     assert made(tmp_path, SCRIPT + line + "\n", "--size", size).returncode == 0
     assert edge_lengths(read_medit(tmp_path / "my.mesh")).max() < largest
@@ -151,7 +156,8 @@ def test_the_domain_is_the_physical_surfaces_of_a_script(line, area, tmp_path):
     """A meshed solid within the fluid is none of it, as in the file that gmsh writes; nor is what lies beside it."""
     solid = "Plane Surface(3) = {2}; Point(20) = {3.9, 0.5, 0, h}; Line(20) = {8, 20}; Line(21) = {20, 9};"
     text = SCRIPT.replace("Plane Surface(2)", solid + "Curve Loop(4) = {20, 21, -8}; Plane Surface(4) = {4}; Plane Surface(2)")
-    text = text.replace('("inlet") = {4}', '("inlet") = {4, 20, 21}').replace("{7, 8, 9, -2}", "{7, 20, 21, 9, -2}" if line else "{7, 8, 9, -2}")
+    text = text.replace('("inlet") = {4}', '("inlet") = {4, 20, 21}').replace("{7, 8, 9, -2}", "{7, 20, 21, 9, -2}"
+        if line else "{7, 8, 9, -2}")
     done = made(tmp_path, text + line + "\n", "--size", 0.1)
     assert done.returncode == 0, done.stderr
     mesh = read_medit(tmp_path / "my.mesh")

@@ -22,7 +22,8 @@ def square(x0, y0, n=N):
 
 
 def write(file, pieces, inner=(), inner_label=99):
-    """A .mesh file of squares, each with its lower left corner there; points in one place are one. Sides: left 1, right 2, others 3. inner: pairs of points."""
+    """A .mesh file of squares, each with its lower left corner there; points in one place are one. Sides: left 1, right 2, others
+    3. inner: pairs of points."""
     points, triangles = np.empty((0, 2)), np.empty((0, 3), int)
     for corner in pieces:
         more, faces = square(*corner)
@@ -41,11 +42,13 @@ def write(file, pieces, inner=(), inner_label=99):
     text = ["MeshVersionFormatted 2", "Dimension 2", f"Vertices {len(points)}", *(f"{x:.12g} {y:.12g} 0" for x, y in points)]
     text += [f"Edges {len(rows)}", *(f"{a + 1} {b + 1} {label}" for a, b, label in rows)]
     text += [f"Triangles {len(triangles)}", *(" ".join(str(k + 1) for k in face) + " 0" for face in triangles), "End"]
-    file.write_text("\n".join(text).replace("Vertices ", "Vertices\n").replace("Edges ", "Edges\n").replace("Triangles ", "Triangles\n") + "\n")
+    file.write_text("\n".join(text).replace("Vertices ", "Vertices\n").replace("Edges ", "Edges\n").replace("Triangles ",
+        "Triangles\n") + "\n")
     return file
 
 
-LOOP = [((0.25, 0.25), (0.375, 0.25)), ((0.375, 0.25), (0.5, 0.375)), ((0.5, 0.375), (0.5, 0.5))]  # its second edge is a diagonal of the grid
+# its second edge is a diagonal of the grid
+LOOP = [((0.25, 0.25), (0.375, 0.25)), ((0.375, 0.25), (0.5, 0.375)), ((0.5, 0.375), (0.5, 0.5))]
 HEAD = 'include "lib/case.idp"\noptCase("channel", "a scene of tests/mesh/test_pieces_and_inner_edges.py");\n'
 SIDES = """real rhoFluid = 1, mu = 0.05, gravityX = 0, gravityY = 0, flowPeriodX = 0, flowPeriodY = 0, motionBound = 1e30;
 int[int] flowNoSlip = [WALLS], flowMoving = [labelInlet], flowOutlet = [labelOutlet], flowSlip(0);
@@ -63,7 +66,9 @@ macro caseCarrier() { carrierWh u = 4*y*(1 - y), v = 0*x; carrierFlow(u[], v[]);
 macro caseParticles() { real[int] one(1), r(1), d(1), o(1); one = 0.5; r = 0.01; d = 2500; o = 0.; transportAppend(one, one, r, d, o, o, o); } // EOM
 """
 TIMES = ["-dt", 0.01, "-tend", 0.02, "-every", 0]
-DRIVERS = {"flow": (SIDES.replace("gravityX = 0, gravityY = 0, ", ""), TIMES), "resolved": (SIDES + "macro caseParticles() bodyDisk(0.5, 0.5, 0.25, 2); // EOM\n", TIMES), "steady_laminar": (STEADY, []), "transport": (SPHERES, [*TIMES, "-drag", "schiller-naumann"])}
+DRIVERS = {"flow": (SIDES.replace("gravityX = 0, gravityY = 0, ", ""), TIMES),
+    "resolved": (SIDES + "macro caseParticles() bodyDisk(0.5, 0.5, 0.25, 2); // EOM\n", TIMES), "steady_laminar": (STEADY, []),
+        "transport": (SPHERES, [*TIMES, "-drag", "schiller-naumann"])}
 
 
 def text(driver, walls="labelWall"):
@@ -90,7 +95,8 @@ def test_a_mesh_in_two_pieces_is_refused(driver, freefem_text, tmp_path):
 def test_pieces_that_touch_in_a_vertex_are_refused_too(freefem_text, freefem_refused, tmp_path):
     mesh = write(tmp_path / "touch.mesh", [(0, 0), (1, 1)])
     assert "a common vertex does not join them" in refused(run(freefem_text, "flow", mesh, tmp_path / "run", check=False))
-    assert "share no side" in freefem_refused(3, "cases/pipe_flow.edp", "-mesh", mesh, "-model", "laminar", "-out", tmp_path / "steady")
+    assert "share no side" in freefem_refused(3, "cases/pipe_flow.edp", "-mesh", mesh, "-model", "laminar", "-out",
+        tmp_path / "steady")
 
 
 def test_squares_round_a_hole_that_touch_in_a_vertex_are_one_piece(freefem_text, tmp_path):
@@ -108,21 +114,24 @@ def test_pieces_are_counted_by_sides(tmp_path):
 
 def test_a_script_of_two_surfaces_that_touch_in_a_point_is_refused(tmp_path):
     square = "Point({0}1) = {{{1}, {1}, 0, 1}}; Point({0}2) = {{{1} + 1, {1}, 0, 1}}; Point({0}4) = {{{1}, {1} + 1, 0, 1}};\n"
-    script = square.format(1, 0) + "Point(13) = {1, 1, 0, 1};\n" + square.format(2, 1).replace("Point(21) = {1, 1, 0, 1};", "") + "Point(23) = {2, 2, 0, 1};\n"
+    script = square.format(1, 0) + "Point(13) = {1, 1, 0, 1};\n" + square.format(2, 1).replace("Point(21) = {1, 1, 0, 1};",
+        "") + "Point(23) = {2, 2, 0, 1};\n"
     for number, corners in ((1, (11, 12, 13, 14)), (2, (13, 22, 23, 24))):
         for k in range(4):
             script += f"Line({number}{k + 1}) = {{{corners[k]}, {corners[(k + 1) % 4]}}};\n"
         script += f"Curve Loop({number}) = {{{number}1, {number}2, {number}3, {number}4}}; Plane Surface({number}) = {{{number}}};\n"
     script += 'Physical Curve("wall") = {11, 12, 13, 14, 21, 22, 23, 24}; Physical Surface("fluid") = {1, 2};\n'
     (tmp_path / "touch.geo").write_text(script)
-    words = [sys.executable, "-m", "tools.mesh", "own", "--from", tmp_path / "touch.geo", "--size", 0.2, "--out", tmp_path / "touch.mesh"]
+    words = [sys.executable, "-m", "tools.mesh", "own", "--from", tmp_path / "touch.geo", "--size", 0.2, "--out",
+        tmp_path / "touch.mesh"]
     done = subprocess.run(list(map(str, words)), cwd=ROOT, capture_output=True, text=True, timeout=60)
     assert done.returncode == 4 and "2 pieces that share no side" in done.stderr and not (tmp_path / "touch.mesh").exists()
 
 
 @pytest.mark.parametrize("driver", DRIVERS)
 def test_a_line_within_the_fluid_is_no_side(driver, freefem_text, tmp_path):
-    """As on the same mesh without it, bit for bit; it was asked to be a wall, or its open ends were refused as a boundary that is not closed."""
+    """As on the same mesh without it, bit for bit; it was asked to be a wall, or its open ends were refused as a boundary that is
+    not closed."""
     table = {"flow": "fluid", "resolved": "particles", "steady_laminar": "results", "transport": "particles"}[driver]
     for name, inner in (("plain", ()), ("line", LOOP)):
         run(freefem_text, driver, write(tmp_path / f"{name}.mesh", [(0, 0)], inner), tmp_path / name)
@@ -153,7 +162,8 @@ def test_a_baffle_is_refused_in_one_line(driver, label, walls, freefem_text, tmp
 
 def test_an_inlet_that_lies_within_the_fluid_is_refused_for_that(freefem_text, tmp_path):
     mesh = write(tmp_path / "inlet.mesh", [(0, 0)], LOOP, 7)
-    done = freefem_text(text("flow").replace("flowMoving = [labelInlet]", "flowMoving = [labelInlet, labelLid]"), *TIMES, "-mesh", mesh, "-out", tmp_path / "run", check=False)
+    done = freefem_text(text("flow").replace("flowMoving = [labelInlet]", "flowMoving = [labelInlet, labelLid]"), *TIMES, "-mesh",
+        mesh, "-out", tmp_path / "run", check=False)
     assert "label 7 (lid)" in refused(done) and "triangles on both sides" in done.stderr
 
 

@@ -26,7 +26,8 @@ def test_bad_input_is_refused(freefem, run_folder, args, says):
 
 def test_half_a_pipe_needs_its_axis(freefem_refused, tmp_path):
     mesh = write_box(tmp_path / "pipe.mesh", 1.0, 0.0, 0.1, 24, 6, bottom=8)
-    assert "-axisymmetric 1" in freefem_refused(3, "cases/pipe_flow.edp", "-mesh", mesh, "-model", "laminar", "-reynolds", 100, "-out", tmp_path / "run")
+    assert "-axisymmetric 1" in freefem_refused(3, "cases/pipe_flow.edp", "-mesh", mesh, "-model", "laminar", "-reynolds", 100,
+        "-out", tmp_path / "run")
 
 
 def test_pipe_flow_refuses_an_inlet_on_the_right(tmp_path, run_folder, coarse_pipe):
@@ -59,7 +60,8 @@ include "scripts/steady.edp"
     ("3, 2, 3, 1", 0.5, 1, "begins at y = -0.5"),  # "give more -steps, a larger -tolerance, a finer mesh"
 ])
 def test_an_axis_that_is_none_is_refused(sides, low, axis, says, freefem_text, run_folder):
-    done = freefem_text(OWN.replace("SIDES", sides).replace("LOW", str(low)).replace("AXIS", str(axis)), "-out", run_folder, check=False)
+    done = freefem_text(OWN.replace("SIDES", sides).replace("LOW", str(low)).replace("AXIS", str(axis)), "-out", run_folder,
+        check=False)
     assert done.returncode == 3 and says in done.stderr and len(done.stderr.strip().splitlines()) == 1
     assert not run_folder.exists()
 
@@ -67,13 +69,16 @@ def test_an_axis_that_is_none_is_refused(sides, low, axis, says, freefem_text, r
 @pytest.mark.parametrize("model", ["laminar", "k-epsilon"])
 def test_a_stream_may_enter_aslant(model, freefem_text, run_folder):
     """What a case gives at the inlet stands there, whether the flow is found or not."""
-    text = OWN.replace("SIDES", "3, 2, 3, 1").replace("LOW", "0").replace("AXIS", "0").replace("macro inletU() 1. // EOM", "macro inletU() y // EOM\nmacro inletV() 0.5*y*(1. - y) // EOM")
-    freefem_text(text.replace("viscosityFluid = 1,", "viscosityFluid = 1e-4,"), "-model", model, "-steps", 1, "-out", run_folder, check=False)
+    text = OWN.replace("SIDES", "3, 2, 3, 1").replace("LOW", "0").replace("AXIS", "0").replace("macro inletU() 1. // EOM",
+        "macro inletU() y // EOM\nmacro inletV() 0.5*y*(1. - y) // EOM")
+    freefem_text(text.replace("viscosityFluid = 1,", "viscosityFluid = 1e-4,"), "-model", model, "-steps", 1, "-out", run_folder,
+        check=False)
     fine, values = read_field(run_folder / "fields.vtu")
     y = fine.points[np.abs(fine.points[:, 0]) < 1e-12, 1]
     inside = (y > 1e-9) & (y < 1 - 1e-9)
     at = values["velocity"][np.abs(fine.points[:, 0]) < 1e-12]
-    assert len(y) == 9 and at[inside, 0] == pytest.approx(y[inside], abs=1e-6) and at[inside, 1] == pytest.approx(0.5 * (y * (1 - y))[inside], abs=1e-6)
+    assert len(y) == 9 and at[inside, 0] == pytest.approx(y[inside], abs=1e-6) and at[inside, 1] == pytest.approx(0.5
+        * (y * (1 - y))[inside], abs=1e-6)
 
 
 # Half of Poiseuille's flow; TURNED 1: along y.
@@ -106,14 +111,19 @@ include "scripts/steady_laminar.edp"
 @pytest.mark.parametrize("turned", [0, 1])
 def test_force_on_a_plane_of_symmetry_and_on_a_wall_that_ends_where_it_begins(freefem_text, run_folder, tmp_path, turned):
     """Shear 4 mu U/H over a length of 2, mean pressure 8 mu U/H2; no shear on the plane."""
-    freefem_text(HALF.replace("FOLDER", str(tmp_path)).replace("TURNED", str(turned)).replace("SLANT", "0").replace("PLANES", "labelAxis"), "-fields", 1, "-out", run_folder)
+    freefem_text(HALF.replace("FOLDER", str(tmp_path)).replace("TURNED", str(turned)).replace("SLANT", "0").replace("PLANES",
+        "labelAxis"), "-fields", 1, "-out", run_folder)
     found = results(run_folder)
     fine, values = read_field(run_folder / "fields.vtu")
-    assert found["reynolds"] == pytest.approx(2 / 0.3) and values["pressure"] == pytest.approx(2.4 * (2 - fine.points[:, turned]), abs=1e-6)
-    assert [found[name] for name in ("wall_along", "wall_across", "plane_across")] == pytest.approx([2.4, 4.8, -4.8], rel=1e-8) and abs(found["plane_along"]) < 1e-8
+    assert found["reynolds"] == pytest.approx(2 / 0.3) and values["pressure"] == pytest.approx(2.4 * (2 - fine.points[:, turned]),
+        abs=1e-6)
+    assert [found[name] for name in ("wall_along", "wall_across", "plane_across")] == pytest.approx([2.4, 4.8, -4.8],
+        rel=1e-8) and abs(found["plane_along"]) < 1e-8
 
 
-@pytest.mark.parametrize("planes, slant, says", [("labelAxis", "0.1", "must be horizontal or upright"), ("labelAxis, labelWall", "0", "label 3 (wall) is listed twice"), ("labelAxis, labelLeft", "0", "no edge with label 11 (left)")])
+@pytest.mark.parametrize("planes, slant, says", [("labelAxis", "0.1", "must be horizontal or upright"), ("labelAxis, labelWall",
+    "0", "label 3 (wall) is listed twice"), ("labelAxis, labelLeft", "0", "no edge with label 11 (left)")])
 def test_planes_of_symmetry_that_cannot_be_are_refused(freefem_text, run_folder, tmp_path, planes, slant, says):
-    done = freefem_text(HALF.replace("FOLDER", str(tmp_path)).replace("TURNED", "0").replace("SLANT", slant).replace("PLANES", planes), "-out", run_folder, check=False)
+    done = freefem_text(HALF.replace("FOLDER", str(tmp_path)).replace("TURNED", "0").replace("SLANT", slant).replace("PLANES",
+        planes), "-out", run_folder, check=False)
     assert done.returncode == 3 and says in done.stderr and len(done.stderr.strip().splitlines()) == 1

@@ -85,7 +85,8 @@ def test_what_is_let_in_more_than_out_by_rounding_does_no_harm(freefem_text, run
     assert abs(found["p_mean"]) < 1e-9
 
 
-@pytest.mark.parametrize("excess, says", [(0.01, "0.00666667 m2/s into"), (-0.01, "0.00666667 m2/s out of"), (-1, "0.666667 m2/s into")])
+@pytest.mark.parametrize("excess, says", [(0.01, "0.00666667 m2/s into"), (-0.01, "0.00666667 m2/s out of"),
+    (-1, "0.666667 m2/s into")])
 def test_more_let_in_than_out_without_an_outlet_is_refused(freefem_text, excess, says):
     done = freefem_text(CLOSED.replace("EXCESS", str(excess)), check=False)
     assert done.returncode == 3 and f"a net flux of {says} the domain" in done.stderr and "there is no outlet" in done.stderr
@@ -163,7 +164,8 @@ def test_lengths_behind_the_laminar_step_are_those_of_finite_differences(freefem
 def test_the_steady_flow_does_not_hang_on_units(freefem, tmp_path):
     """Reynolds number 20 in any units: the same drag coefficient."""
     coarse = make_mesh(tmp_path / "coarse.mesh", "cylinder_channel", "--circle-points", 16, "--size", 0.1)
-    drags = [results_of(freefem, tmp_path / str(k), "cylinder_steady", "-mesh", coarse, "-mu", mu, "-speed", speed)["drag_coefficient"] for k, (mu, speed) in enumerate(((1e-3, 0.3), (1e-9, 3e-7), (1e3, 3e5)))]
+    drags = [results_of(freefem, tmp_path / str(k), "cylinder_steady", "-mesh", coarse, "-mu", mu, "-speed",
+        speed)["drag_coefficient"] for k, (mu, speed) in enumerate(((1e-3, 0.3), (1e-9, 3e-7), (1e3, 3e5)))]
     assert drags[1:] == pytest.approx([drags[0]] * 2, rel=1e-9)
 
 
@@ -219,21 +221,25 @@ include "scripts/steady_laminar.edp"
 def test_kovasznay_flow_between_planes_of_symmetry(freefem_text, tmp_path):
     errors, rate = [], 20 - (400 + 4 * math.pi**2)**0.5
     for turned, cells in ((0, 8), (0, 16), (1, 16)):
-        freefem_text(KOVASZNAY.replace("FOLDER", str(tmp_path)).replace("TURNED", str(turned)), "-cells", cells, "-out", tmp_path / f"run{turned}{cells}")
+        freefem_text(KOVASZNAY.replace("FOLDER", str(tmp_path)).replace("TURNED", str(turned)), "-cells", cells, "-out",
+            tmp_path / f"run{turned}{cells}")
         found = results(tmp_path / f"run{turned}{cells}")
         errors.append(found["error"])
-        assert found["pull"] == pytest.approx(4 / 40 * (math.exp(-rate / 2) - math.exp(rate)), rel=1e-3)  # 2 mu dv/dy, which has two signs; the pressure is the same
+        # 2 mu dv/dy, which has two signs; the pressure is the same
+        assert found["pull"] == pytest.approx(4 / 40 * (math.exp(-rate / 2) - math.exp(rate)), rel=1e-3)
         assert found["left_over"] < 1e-12  # all that acts along the planes is borne at the inlet, corners included
     assert errors[1] < 3e-4 and np.log2(errors[0] / errors[1]) > 2.8
     assert errors[2] == pytest.approx(errors[1], rel=1e-5)
 
 
 def test_more_let_in_than_out_across_horizontal_sides_is_refused(freefem_text, run_folder, tmp_path):
-    text = KOVASZNAY.replace("FOLDER", str(tmp_path)).replace("TURNED", "1").replace("streamAt(y, -x) : c", "1.1*streamAt(y, -x)*(y < 0 ? 1. : 0.99) : c")
+    text = KOVASZNAY.replace("FOLDER", str(tmp_path)).replace("TURNED", "1").replace("streamAt(y, -x) : c",
+        "1.1*streamAt(y, -x)*(y < 0 ? 1. : 0.99) : c")
     done = freefem_text(text, "-out", run_folder, check=False)
     assert done.returncode == 3 and "into the domain, and there is no outlet" in done.stderr
 
 
 def test_a_misspelt_velocity_at_the_inlet_is_told(freefem_text, run_folder, tmp_path):
-    text = KOVASZNAY.replace("FOLDER", str(tmp_path)).replace("TURNED", "0").replace("macro inletV()", "macro inletW()").replace("(newtonV - (inletV))", "newtonV")
+    text = KOVASZNAY.replace("FOLDER", str(tmp_path)).replace("TURNED", "0").replace("macro inletV()",
+        "macro inletW()").replace("(newtonV - (inletV))", "newtonV")
     assert "warning: the macro inletW is used nowhere" in freefem_text(text, "-out", run_folder).stdout

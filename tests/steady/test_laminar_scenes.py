@@ -60,7 +60,8 @@ include "scripts/steady_laminar.edp"
 
 
 def test_each_side_of_a_steady_channel_bears_its_own_force(freefem_text, tmp_path, run_folder):
-    """Shear and pressure, also of the nodes that it shares with the inlet (they were the inlet's and the wall's: 11 % of the shear on this mesh)."""
+    """Shear and pressure, also of the nodes that it shares with the inlet (they were the inlet's and the wall's: 11 % of the shear
+    on this mesh)."""
     freefem_text(STEADY_CHANNEL.replace("FILE", f"{tmp_path}/channel.mesh"), "-out", run_folder)
     exact = {"fx13": 1, "fy13": -3, "fx14": 1, "fy14": 3, "fx1": -2, "fy1": 0}
     for name, one in exact.items():
@@ -93,9 +94,11 @@ include "scripts/steady_laminar.edp"
 
 
 def test_a_stream_against_a_plate_has_the_shear_of_hiemenz(freefem_text, tmp_path, run_folder):
-    """u = x f'(eta), v = -sqrt(nu) f(eta), f''' + f f'' + 1 - f'^2 = 0, given at the sides: f''(0) = 1.2326 (K. Hiemenz, Dingler's J. 326 (1911) 321)."""
+    """u = x f'(eta), v = -sqrt(nu) f(eta), f''' + f f'' + 1 - f'^2 = 0, given at the sides: f''(0) = 1.2326 (K. Hiemenz, Dingler's
+    J. 326 (1911) 321)."""
     eta = np.linspace(0, 10, 1001)
-    exact = solve_bvp(lambda _, f: np.array([f[1], f[2], f[1] ** 2 - 1 - f[0] * f[2]]), lambda a, b: np.array([a[0], a[1], b[1] - 1]), eta, [eta, 1 - np.exp(-eta), np.exp(-eta)], tol=1e-9, max_nodes=100000)
+    exact = solve_bvp(lambda _, f: np.array([f[1], f[2], f[1] ** 2 - 1 - f[0] * f[2]]), lambda a,
+        b: np.array([a[0], a[1], b[1] - 1]), eta, [eta, 1 - np.exp(-eta), np.exp(-eta)], tol=1e-9, max_nodes=100000)
     f, slope, bend = exact.sol(np.linspace(0, 10, 4001))
     assert bend[0] == pytest.approx(1.232588, abs=1e-6)
     np.savetxt(tmp_path / "table.txt", np.column_stack([f, slope]))
@@ -107,7 +110,8 @@ def test_a_stream_against_a_plate_has_the_shear_of_hiemenz(freefem_text, tmp_pat
 @pytest.mark.parametrize("case", ["cylinder_steady", "cavity"])
 def test_a_coarse_mesh_first_leads_to_the_same_flow(case, meshes, tmp_path):
     """As the residual says in both, with half the factorisations on the mesh itself or fewer."""
-    small = mesh(meshes, case, "--circle-points", 24, "--size", 0.1) if case == "cylinder_steady" else mesh(meshes, case, "--size", 1 / 24)
+    small = mesh(meshes, case, "--circle-points", 24, "--size", 0.1) if case == "cylinder_steady" else mesh(meshes, case, "--size",
+        1 / 24)
     for ratio in (0, 4):
         run_freefem(f"cases/{case}.edp", "-mesh", small, "-coarse", ratio, "-out", tmp_path / f"r{ratio}")
     names = ["drag_coefficient", "pressure_difference"] if case == "cylinder_steady" else ["u_least", "v_most", "v_least"]
@@ -119,16 +123,19 @@ def test_a_coarse_mesh_first_leads_to_the_same_flow(case, meshes, tmp_path):
 def test_expansion_is_stable_below_the_critical_reynolds_number(meshes, tmp_path):
     coarse = mesh(meshes, "sudden_expansion", *COARSER["sudden_expansion"])
     for reynolds in (30, 55):
-        run_freefem("cases/sudden_expansion.edp", "-mesh", coarse, "-reynolds", reynolds, "-search", 0, "-out", tmp_path / f"r{reynolds}")
+        run_freefem("cases/sudden_expansion.edp", "-mesh", coarse, "-reynolds", reynolds, "-search", 0, "-out",
+            tmp_path / f"r{reynolds}")
     assert value(tmp_path / "r30", "growth") < 0 < value(tmp_path / "r55", "growth")
     assert value(tmp_path / "r30", "asymmetry") < 1e-4
     assert value(tmp_path / "r55", "asymmetry") > 0.05
 
 
 def test_an_expansion_that_is_not_found_tells_no_growth_and_no_asymmetry(meshes, tmp_path):
-    """At Reynolds number 120 neither iteration converges; a growth of 0.026/s and an asymmetry of 293 stood in results.csv all the same."""
+    """At Reynolds number 120 neither iteration converges; a growth of 0.026/s and an asymmetry of 293 stood in results.csv all the
+    same."""
     coarse = mesh(meshes, "sudden_expansion", "--size", 1 / 4, "--outlet-length", 20, "--stretch", 1.1)
-    said = run_freefem("cases/sudden_expansion.edp", "-mesh", coarse, "-reynolds", 120, "-search", 0, "-out", tmp_path / "run").stdout
+    said = run_freefem("cases/sudden_expansion.edp", "-mesh", coarse, "-reynolds", 120, "-search", 0, "-out",
+        tmp_path / "run").stdout
     text = (tmp_path / "run/results.csv").read_text()
     assert value(tmp_path / "run", "disturbed_change") > 1 and "growth," not in text and "asymmetry," not in text
     assert said.count("warning: ") == 2 and "has not settled" in said and "has not converged" in said

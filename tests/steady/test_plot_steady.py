@@ -18,7 +18,8 @@ def test_the_pictures_are_drawn(run_folder, pipe_run):
     for name in ("streamlines", "speed", "pressure", "walls"):
         assert (run_folder / f"{name}.png").stat().st_size > 5000
     assert not (run_folder / "k.png").exists()
-    for name, old, new, words in (("wall.csv", ",-0.1,-1,", ",nan,-1,", "wall.csv, line 2: y is nan"), ("run.json", '"-reynolds": ', '"-reynolds": "abc", "-was": ', '-reynolds must be a number, not "abc"'),
+    for name, old, new, words in (("wall.csv", ",-0.1,-1,", ",nan,-1,", "wall.csv, line 2: y is nan"),
+        ("run.json", '"-reynolds": ', '"-reynolds": "abc", "-was": ', '-reynolds must be a number, not "abc"'),
                                   ("zones.csv", "separation", "parting", "zones.csv has no column separation")):
         whole = (run_folder / name).read_text()
         assert old in whole
@@ -39,11 +40,14 @@ def test_a_tall_narrow_flow_is_drawn(freefem, run_folder, monkeypatch):
     results_of(freefem, run_folder, "turbulent_channel", "-cells", 40, "-model", "laminar", "-retau", 20)
     drawn, asked = plt.Axes.streamplot, []
     labels = []
-    monkeypatch.setattr(plt, "close", lambda figure: labels.extend(word for one in figure.axes for word in (one.get_xlabel(), one.get_ylabel())))
-    monkeypatch.setattr(plt.Axes, "streamplot", lambda *given, density, **more: asked.append(density) or drawn(*given, density=np.minimum(density, 7), **more))
+    monkeypatch.setattr(plt, "close", lambda figure: labels.extend(word for one in figure.axes for word in (one.get_xlabel(),
+        one.get_ylabel())))
+    monkeypatch.setattr(plt.Axes, "streamplot", lambda *given, density, **more: asked.append(density) or drawn(*given,
+        density=np.minimum(density, 7), **more))
     assert plot_steady.main([str(run_folder)]) == 0
     assert np.max(asked) < 7
-    assert {"x (L)", "y (L)", "speed (L/T)", "gauge pressure (M/(L T$^2$))"} <= set(labels) and not [word for word in labels if "m" in word.partition(" (")[2] or "Pa)" in word]
+    assert {"x (L)", "y (L)", "speed (L/T)", "gauge pressure (M/(L T$^2$))"} <= set(labels) and not [word for word in labels
+        if "m" in word.partition(" (")[2] or "Pa)" in word]
     high, wide = plt.imread(run_folder / "speed.png").shape[:2]
     assert high > 1.5 * wide
     file = run_folder / "wall.csv"  # as it is between planes of symmetry

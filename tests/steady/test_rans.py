@@ -70,7 +70,8 @@ def test_channel_friction_is_that_of_dean_and_direct_simulation(freefem, run_fol
 
 
 def developed(retau, cells, axis):
-    """Friction coefficient and k at the wall of the developed flow (lib/steady/rans_model.idp, cases/turbulent_channel.edp) by a solver of ordinary
+    """Friction coefficient and k at the wall of the developed flow (lib/steady/rans_model.idp, cases/turbulent_channel.edp) by a
+    solver of ordinary
     differential equations: ln k, ln epsilon and their fluxes over the radius, whose total stress is r."""
     nu = 1 / retau
 
@@ -91,11 +92,13 @@ def developed(retau, cells, axis):
         return np.array([a[1], a[3], b[1], b[2] - np.log(friction(b[0])**3 / (0.41 * away(b[0])))])
 
     r = np.append(1 - np.geomspace(1 - 1e-6, 1e-3, 200), 1)
-    found = solve_bvp(slopes, ends, r, [np.log(1 + 2.3 * r), 0 * r, np.log((0.2 + r) / (0.41 * (1 - r + 30 * nu))), 0 * r], tol=1e-6, max_nodes=100000)
+    found = solve_bvp(slopes, ends, r, [np.log(1 + 2.3 * r), 0 * r, np.log((0.2 + r) / (0.41 * (1 - r + 30 * nu))), 0 * r],
+        tol=1e-6, max_nodes=100000)
     assert found.success
     r = np.linspace(1e-6, 1, 20001)
     K, _, E, _ = found.sol(r)
-    mean = np.log(9 * friction(K[-1]) * away(K[-1]) / nu) / 0.41 / friction(K[-1]) + np.trapezoid(r**(2 + axis) / (nu + 0.09 * np.exp(2 * K - E)), r)
+    mean = np.log(9 * friction(K[-1]) * away(K[-1]) / nu) / 0.41 / friction(K[-1]) + np.trapezoid(r**(2 + axis)
+        / (nu + 0.09 * np.exp(2 * K - E)), r)
     beyond = max(0.5 / cells, 30 / retau)  # the layer between mesh and wall, by the law of the wall
     speed = (1 + beyond)**0.5
     layer = speed * beyond * (np.log(9 * speed * beyond * retau) - 1) / 0.41
@@ -104,7 +107,8 @@ def developed(retau, cells, axis):
 
 @pytest.mark.parametrize("retau, axis", [(500, 0), (500, 1), (5000, 0), (5000, 1)])
 def test_developed_flow_is_that_of_the_model_along_one_line(freefem, run_folder, retau, axis):
-    """At 500 the model itself, whatever the scheme, has 6.5 % less friction than Dean's law; finer meshes come nearer to it (0.2 % with 40 cells)."""
+    """At 500 the model itself, whatever the scheme, has 6.5 % less friction than Dean's law; finer meshes come nearer to it (0.2 %
+    with 40 cells)."""
     found = results_of(freefem, run_folder, "turbulent_channel", "-retau", retau, "-cells", 20, "-axisymmetric", axis)
     friction, energy = developed(retau, 20, axis)
     assert found["friction_coefficient"] == pytest.approx(friction, rel=0.008)
@@ -114,7 +118,8 @@ def test_developed_flow_is_that_of_the_model_along_one_line(freefem, run_folder,
 def test_a_channel_too_slow_for_the_law_of_the_wall_is_refused(freefem, freefem_refused, run_folder, tmp_path):
     line = freefem_refused(3, "cases/turbulent_channel.edp", "-retau", 99, "-out", tmp_path / "none")
     assert "too low for the law of the wall" in line and not (tmp_path / "none").exists()
-    assert "warning: at -retau 120" in freefem("cases/turbulent_channel.edp", "-retau", 120, "-cells", 12, "-out", run_folder).stdout
+    assert "warning: at -retau 120" in freefem("cases/turbulent_channel.edp", "-retau", 120, "-cells", 12, "-out",
+        run_folder).stdout
     found = results(run_folder)  # Re = 5073: below the range of Dean's law
     assert found["reynolds_bulk"] < 6000 and "friction_law" not in found and "friction_error" not in found
 
@@ -132,7 +137,8 @@ def test_pipe_friction_is_that_of_prandtl(freefem, run_folder):
 
 def test_a_turbulent_flow_that_fails_on_the_coarsest_mesh_starts_anew(freefem, run_folder):
     """At four times the Reynolds number the mesh of 16 times fewer triangles has no solution that is found."""
-    found = results_of(freefem, run_folder, "turbulent_step", "-size", 0.25, "-inlet", 5, "-outlet", 12, "-tolerance", 0.1, "-reynolds", 176000)
+    found = results_of(freefem, run_folder, "turbulent_step", "-size", 0.25, "-inlet", 5, "-outlet", 12, "-tolerance", 0.1,
+        "-reynolds", 176000)
     assert found["residual"] <= 0.1 and abs(found["flux_defect"]) < 0.01
 
 
@@ -140,7 +146,8 @@ TOO_SLOW = "step heights in the mean, whatever the cells; take a higher -reynold
 
 
 def test_a_step_too_slow_for_the_law_of_the_wall_is_told(freefem, run_folder):
-    assert TOO_SLOW in freefem("cases/turbulent_step.edp", "-size", 0.25, "-inlet", 5, "-outlet", 12, "-tolerance", 0.1, "-reynolds", 5000, "-out", run_folder).stdout
+    assert TOO_SLOW in freefem("cases/turbulent_step.edp", "-size", 0.25, "-inlet", 5, "-outlet", 12, "-tolerance", 0.1,
+        "-reynolds", 5000, "-out", run_folder).stdout
 
 
 def test_step_reattaches(freefem, run_folder):
@@ -179,7 +186,8 @@ for (int k = 0; k < 5; ++k) {
     for line in out.split("FOUND")[1:]:
         height, distance, friction, rate = map(float, line.split()[:4])
         a, b = rate * 0.41 / friction**3, 1 / (distance + height)
-        assert height * (a - b) / math.log(a / b) == pytest.approx(math.log(1 + height / distance), rel=5e-4)  # Carlson's rule for the logarithmic mean
+        # Carlson's rule for the logarithmic mean
+        assert height * (a - b) / math.log(a / b) == pytest.approx(math.log(1 + height / distance), rel=5e-4)
 
 
 @pytest.mark.slow
@@ -191,7 +199,9 @@ def test_diaphragm_loss_is_that_of_borda_and_carnot(freefem, run_folder, opening
 
 
 def test_a_turbulent_flow_does_not_hang_on_units(freefem, tmp_path):
-    """Reynolds number 4e5 at 2e-9 and 2e-15 m/s: the factors ran out of room there, and the run ended in the middle with status 0."""
+    """Reynolds number 4e5 at 2e-9 and 2e-15 m/s: the factors ran out of room there, and the run ended in the middle with status
+    0."""
     box = write_box(tmp_path / "box.mesh", 0.5, -0.1, 0.1, 20, 16, 3)
-    losses = [results_of(freefem, tmp_path / str(speed), "pipe_flow", "-mesh", box, "-vmax", speed, "-reynolds", 4e5)["loss_coefficient"] for speed in (2, 2e-9, 2e-15)]
+    losses = [results_of(freefem, tmp_path / str(speed), "pipe_flow", "-mesh", box, "-vmax", speed, "-reynolds",
+        4e5)["loss_coefficient"] for speed in (2, 2e-9, 2e-15)]
     assert losses[1:] == pytest.approx([losses[0]] * 2, rel=1e-6)

@@ -20,7 +20,8 @@ def test_laminar_pipe_and_its_state(freefem_text, run_folder, pipe_run):
     fine, values = read_field(run_folder / "fields.vtu")
     speed = np.hypot(*values["velocity"][:, :2].T)
     fastest = np.hypot(fine.points[:, 0] - found["speed_most_x"], fine.points[:, 1] - found["speed_most_y"])
-    assert fastest.min() < 1e-6 and speed[fastest.argmin()] == pytest.approx(found["speed_most"], rel=1e-5) and found["speed_most"] > 0.98 * speed.max()
+    assert fastest.min() < 1e-6 and speed[fastest.argmin()] == pytest.approx(found["speed_most"],
+        rel=1e-5) and found["speed_most"] > 0.98 * speed.max()
     text = f'''
 include "lib/mesh/read_mesh.idp"
 mesh Th = meshRead("{run_folder}/mesh.mesh");
@@ -58,7 +59,8 @@ exec("sed -i '$d' '{tmp_path}/steady_flow.txt'"); // its last line
 cout << "BROKEN " << steadyMatches("{tmp_path}", "one") << endl;
 """).stdout
     words = out.split("FOUND")[1].split()
-    assert float(words[0]) < 1e-14 and words[1:6] == ["7", "0.5", "1e-07", "k-epsilon", "10"] and out.split("BROKEN")[1].split()[0] == "0"
+    assert float(words[0]) < 1e-14 and words[1:6] == ["7", "0.5", "1e-07", "k-epsilon",
+        "10"] and out.split("BROKEN")[1].split()[0] == "0"
 
 
 def test_a_flow_that_is_not_converged_is_not_kept(freefem, freefem_refused, run_folder, coarse_pipe, pipe_run):
@@ -68,5 +70,6 @@ def test_a_flow_that_is_not_converged_is_not_kept(freefem, freefem_refused, run_
     refused = freefem_refused(4, "cases/pipe_flow.edp", *words, "-out", run_folder, "-overwrite", 1, "-steps", 1)
     assert "the residual is" in refused and (run_folder / "fields.vtu").is_file()
     assert not list(run_folder.glob("steady_flow.txt*"))
-    taken = freefem("cases/pipe_transport.edp", *words, "-flow", run_folder, "-number", 1, "-tend", 0.004, "-out", run_folder / "carried")
+    taken = freefem("cases/pipe_transport.edp", *words, "-flow", run_folder, "-number", 1, "-tend", 0.004, "-out",
+        run_folder / "carried")
     assert "computing the steady flow" in taken.stdout

@@ -45,7 +45,8 @@ def test_the_links_of_a_page_lead_somewhere(page):
 
 
 def test_a_broken_link_is_found():
-    assert broken_links("docs/index.md", "[a](nowhere.md) [b](cost.md#no-such-heading) [c](cost.md#cost-against-size) ![d](../cases/pictures/no.png)") == \
+    assert broken_links("docs/index.md", "[a](nowhere.md) [b](cost.md#no-such-heading) [c](cost.md#cost-against-size) "
+        "![d](../cases/pictures/no.png)") == \
         ["nowhere.md", "cost.md#no-such-heading", "../cases/pictures/no.png"]
 
 
@@ -53,8 +54,10 @@ def test_a_broken_link_is_found():
 def test_a_page_names_what_is_there(page):
     text = read(page)
     for module in re.findall(r"python -m (tools(?:\.\w+)+)", text):
-        assert (ROOT / (module.replace(".", "/") + ".py")).is_file() or (ROOT / module.replace(".", "/")).is_dir() or module.endswith(".NAME"), module
-    there = [str(path.relative_to(ROOT)) for folder in ("cases", "lib", "scripts", "tests", "tools") for path in (ROOT / folder).rglob("*")]
+        assert (ROOT / (module.replace(".", "/") + ".py")).is_file() or (ROOT / module.replace(".",
+            "/")).is_dir() or module.endswith(".NAME"), module
+    there = [str(path.relative_to(ROOT)) for folder in ("cases", "lib", "scripts", "tests", "tools")
+        for path in (ROOT / folder).rglob("*")]
     for name in re.findall(r"`([\w/]+\.(?:idp|edp|py))`", text):
         assert any(path == name or path.endswith("/" + name) for path in there) or name in WRITTEN, name
     for name in re.findall(r"(?:FreeFem\+\+ -nw|^include) \"?((?:cases|scripts|lib)/[\w/.]+)", text, flags=re.M):
@@ -85,7 +88,8 @@ def test_the_equations_that_the_code_cites_have_one_number_each():
 
 @pytest.mark.parametrize("page", [page for page in PAGES if "$$" in read(page)])
 def test_a_formula_of_several_lines_has_no_number_of_its_own(page):
-    """Sphinx puts what has a line break or a column between two dollars into a `split`, where MathJax refuses a tag: such a formula is an `equation`."""
+    """Sphinx puts what has a line break or a column between two dollars into a `split`, where MathJax refuses a tag: such a formula
+    is an `equation`."""
     for formula in re.findall(r"\$\$(.*?)\$\$", read(page), flags=re.S):
         assert not ("\\tag" in formula and re.search(r"\\\\|&", formula)), formula
 
@@ -149,8 +153,10 @@ def test_the_case_of_the_readme_is_that_of_the_tutorial():
 
 @pytest.mark.parametrize("page, mesh, words, table", [
     ("docs/tutorials/first_case.md", None, ["-tend", 0.01, "-fields", 0.01], "particles.csv"),
-    ("docs/tutorials/own_domain.md", ["own", "--from", "junction.geo", "--out", "junction.mesh"], ["-tend", 0.1, "-every", 0.05], "fluxes.csv"),
-    ("docs/tutorials/own_flow.md", ["box", "--width", 0.3, "--height", 0.2, "--size", 0.005, "--out", "tank.mesh"], ["-tend", 0.1], "particles.csv"),
+    ("docs/tutorials/own_domain.md", ["own", "--from", "junction.geo", "--out", "junction.mesh"], ["-tend", 0.1, "-every", 0.05],
+        "fluxes.csv"),
+    ("docs/tutorials/own_flow.md", ["box", "--width", 0.3, "--height", 0.2, "--size", 0.005, "--out", "tank.mesh"], ["-tend", 0.1],
+        "particles.csv"),
 ])
 def test_what_a_tutorial_asks_its_reader_to_type_runs(page, mesh, words, table, freefem, tmp_path):
     for name, text in saved(page).items():

@@ -38,7 +38,8 @@ def test_what_a_scheme_does_not_do_is_refused_before_there_is_a_folder(freefem_r
     assert not (tmp_path / "run").exists()
 
 
-@pytest.mark.parametrize("words", [["-dt"], ["-number"], ["-mesh"], ["-scheme"], ["-dt", "0.01", "-dt", "0.02"], ["-seed", "1", "-seed", "2"]], ids=" ".join)
+@pytest.mark.parametrize("words", [["-dt"], ["-number"], ["-mesh"], ["-scheme"], ["-dt", "0.01", "-dt", "0.02"],
+    ["-seed", "1", "-seed", "2"]], ids=" ".join)
 def test_an_option_without_a_value_or_twice_is_refused_by_a_case(freefem_refused, words):
     assert f"option {words[0]} " in freefem_refused(3, "cases/pipe_obstacles.edp", *words)
 
@@ -46,14 +47,16 @@ def test_an_option_without_a_value_or_twice_is_refused_by_a_case(freefem_refused
 def test_a_case_without_a_driver_is_refused(freefem_text, tmp_path):
     """It computed nothing and ended with status 0."""
     text = (ROOT / "cases/template.edp").read_text()
-    done = freefem_text(text.replace('include "scripts/resolved.edp"', '// include "scripts/resolved.edp"'), "-tend", 0.01, check=False)
+    done = freefem_text(text.replace('include "scripts/resolved.edp"', '// include "scripts/resolved.edp"'), "-tend", 0.01,
+        check=False)
     assert done.returncode == 3 and "script.edp includes no driver" in done.stderr and len(done.stderr.splitlines()) == 1
 
 
 def test_a_folder_with_other_files_is_left_alone(freefem_refused, tmp_path):
     (tmp_path / "particles.csv").write_text("precious")
     for more in ([], ["-overwrite", "1"]):
-        assert "contains files, but no run" in freefem_refused(3, "cases/settling_disk.edp", "-tend", "0.01", "-out", tmp_path, *more)
+        assert "contains files, but no run" in freefem_refused(3, "cases/settling_disk.edp", "-tend", "0.01", "-out", tmp_path,
+            *more)
     assert (tmp_path / "particles.csv").read_text() == "precious" and len(list(tmp_path.iterdir())) == 1
 
 

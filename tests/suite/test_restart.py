@@ -58,7 +58,8 @@ def test_checkpoints_and_the_end_of_a_run_bear_on_its_last_digits_only(freefem, 
     freefem(*words, "-tend", "0.8", "-checkpoint", "7", "-out", tmp_path / "saved")
     freefem(*words, "-tend", "0.4", "-checkpoint", "1000", "-out", tmp_path / "half")
     freefem(*words, "-tend", "0.8", "-restart", tmp_path / "half", "-out", tmp_path / "rest")
-    plain, saved, rest = (np.genfromtxt(tmp_path / name / "particles.csv", delimiter=",", names=True) for name in ("plain", "saved", "rest"))
+    plain, saved, rest = (np.genfromtxt(tmp_path / name / "particles.csv", delimiter=",", names=True) for name in ("plain",
+        "saved", "rest"))
     for name in ("x", "y", "u", "v", "omega"):
         np.testing.assert_allclose(saved[name], plain[name], rtol=0, atol=1e-9, err_msg=name)
         np.testing.assert_allclose(rest[name], plain[name][-len(rest):], rtol=0, atol=1e-9, err_msg=name)
@@ -105,7 +106,8 @@ def test_maxwall_ends_with_a_checkpoint(mesh, unbroken, tmp_path):
         assert "goes on from t" in again.stdout and "finished" in again.stdout
         got = numbers(tmp_path / name, "particles.csv")
         for column in expected:
-            np.testing.assert_allclose(got[column], expected[column], rtol=0, atol=1e-9 * abs(expected[column]).max(), err_msg=column)
+            np.testing.assert_allclose(got[column], expected[column], rtol=0, atol=1e-9 * abs(expected[column]).max(),
+                err_msg=column)
 
 
 def test_what_cannot_go_on_is_refused(mesh, unbroken, tmp_path):
@@ -134,8 +136,10 @@ def test_two_runs_do_not_share_a_folder(mesh, tmp_path):
 
 
 @pytest.mark.parametrize("case, words, tables, sums", [
-    ("cases/cylinder_channel.edp", ["-tend", "0.2", "-forces", "1", "-checkpoint", "20", "-every", "0"], ["forces.csv"], "fluid.csv"),
-    ("cases/pipe_jet.edp", ["-tend", "0.1", "-budget", "1", "-checkpoint", "3", "-cfl", "1.5", "-dt", "0.02"], ["budget.csv"], "fluid.csv"),
+    ("cases/cylinder_channel.edp", ["-tend", "0.2", "-forces", "1", "-checkpoint", "20", "-every", "0"], ["forces.csv"],
+        "fluid.csv"),
+    ("cases/pipe_jet.edp", ["-tend", "0.1", "-budget", "1", "-checkpoint", "3", "-cfl", "1.5", "-dt", "0.02"], ["budget.csv"],
+        "fluid.csv"),
     ("cases/falling_particles.edp", ["-tend", "20", "-checkpoint", "250"], ["particles.csv", "contacts.csv"], "motion.csv"),
 ])
 def test_drivers_without_resolved_particles_go_on_as_well(case, words, tables, sums, coarse, tmp_path):
@@ -155,7 +159,8 @@ def test_drivers_without_resolved_particles_go_on_as_well(case, words, tables, s
 def test_disks_leave_and_feel_forces_after_a_restart(mesh, tmp_path):
     disks = tmp_path / "disks.csv"
     disks.write_text("id,x,y,radius,density,u,v,omega\n4,0.85,0.02,0.01,1200,0.5,0,0\n7,0.94,0,0.01,1200,1.5,0,0\n8,0.05,0,0.01,1200,0,0,0\n")
-    words = [CASE, *mesh, "-number", "0", "-particles", disks, "-ramp", "0.01", "-dt", "0.002", "-cfl", "0", "-every", "0", "-tend", "0.06", "-forces", "1", "-checkpoint", "10"]
+    words = [CASE, *mesh, "-number", "0", "-particles", disks, "-ramp", "0.01", "-dt", "0.002", "-cfl", "0", "-every", "0",
+        "-tend", "0.06", "-forces", "1", "-checkpoint", "10"]
     whole, broken = broken_off(words, tmp_path, 20)
     for name in ("particles.csv", "forces.csv"):
         assert (broken / name).read_bytes() == (whole / name).read_bytes(), name
@@ -188,7 +193,8 @@ def test_a_restart_knows_its_folder_and_its_mesh(mesh, unbroken, tmp_path):
         x, y, label = lines[k].split()
         lines[k] = f"{float(x) + 0.02 * float(x) * (1 - float(x))!r} {y} {label}"
     (tmp_path / "stretched.mesh").write_text("\n".join(lines) + "\n")
-    other = run_freefem(CASE, "-mesh", tmp_path / "stretched.mesh", *WHOLE, "-restart", unbroken, "-out", tmp_path / "other", check=False)
+    other = run_freefem(CASE, "-mesh", tmp_path / "stretched.mesh", *WHOLE, "-restart", unbroken, "-out", tmp_path / "other",
+        check=False)
     assert other.returncode == 3 and "another mesh" in other.stderr
 
 
@@ -239,7 +245,8 @@ def test_bodies_of_a_checkpoint_that_the_edited_case_no_longer_adds_go_on(tmp_pa
     run_freefem(case, "-dt", "0.005", "-checkpoint", "2", "-tend", "0.02", "-out", tmp_path / "run")
     lines = [line for line in text.splitlines() if "caseParticles" in line]
     case.write_text(text.replace(lines[0], "macro caseParticles() // EOM"))
-    on = run_freefem(case, "-dt", "0.005", "-checkpoint", "2", "-tend", "0.03", "-restart", tmp_path / "run", "-out", tmp_path / "on")
+    on = run_freefem(case, "-dt", "0.005", "-checkpoint", "2", "-tend", "0.03", "-restart", tmp_path / "run", "-out",
+        tmp_path / "on")
     assert "has changed since the checkpoint" in on.stdout
     assert np.genfromtxt(tmp_path / "on" / "particles.csv", delimiter=",", names=True)["id"][-1] == 0
 
@@ -249,10 +256,12 @@ def test_other_diagonals_are_another_mesh(flags, tmp_path):
     scene = tmp_path / "scene.edp"
     scene.write_text(case("bodyDisk(0.4, 0.5, 0.12, 3);"))
     meshes = tmp_path / "meshes.edp"
-    meshes.write_text("int[int] sides = [13, 12, 14, 11];\n" + "".join(f'savemesh(square(16, 16, label = sides, flags = {k}), "{tmp_path}/{k}.mesh");\n' for k in (0, flags)))
+    meshes.write_text("int[int] sides = [13, 12, 14, 11];\n" + "".join(f'savemesh(square(16, 16, label = sides, flags = {k}), '
+        f'"{tmp_path}/{k}.mesh");\n' for k in (0, flags)))
     run_freefem(meshes)
     run_freefem(scene, "-mesh", tmp_path / "0.mesh", "-tend", "0.04", "-checkpoint", "2", "-out", tmp_path / "run")
-    other = run_freefem(scene, "-mesh", tmp_path / f"{flags}.mesh", "-tend", "0.08", "-restart", tmp_path / "run", "-out", tmp_path / "on", check=False)
+    other = run_freefem(scene, "-mesh", tmp_path / f"{flags}.mesh", "-tend", "0.08", "-restart", tmp_path / "run", "-out",
+        tmp_path / "on", check=False)
     assert other.returncode == 3 and "another mesh" in other.stderr and not (tmp_path / "on").exists()
 
 

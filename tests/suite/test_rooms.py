@@ -1,4 +1,5 @@
-"""The rooms of lib/: none uses a room above it, no files use each other in a circle, and headers say which other files write a variable."""
+"""The rooms of lib/: none uses a room above it, no files use each other in a circle, and headers say which other files write a
+variable."""
 
 import pytest
 
@@ -66,7 +67,8 @@ def test_what_a_file_uses_without_its_include_is_found():
 
 def test_a_circle_is_found():
     assert with_line("lib/scheme/poisson.idp", "real again = pressureEnergy;").circles() != []
-    assert ("lib/contact/faults.idp", "lib/contact/inside.idp") in with_line("lib/contact/faults.idp", "func int again(real[int] & a, int[int] & n) { return contactInside(a, a, n); }").circles()
+    assert ("lib/contact/faults.idp", "lib/contact/inside.idp") in with_line("lib/contact/faults.idp",
+        "func int again(real[int] & a, int[int] & n) { return contactInside(a, a, n); }").circles()
 
 
 @pytest.mark.parametrize("line, name", [
@@ -74,8 +76,10 @@ def test_a_circle_is_found():
     ("bodySort(bodyX, flowNw);", "bodyX"), ("file >> flowDataU;", "flowDataU"), ("[I, J, flowH] = A;", "flowH"),
 ])
 def test_what_writes_a_variable_is_found(line, name):
-    found = with_line("lib/record/fields.idp", "func int bodySort(real[int] & a, int n) { for (int k = 0; k < n; ++k) a[k] = k; }\n" + line).writers()
-    fresh = {file: names for owner, others in found.items() for file, names in others.items() if names - WRITERS[owner].get(file, set())}
+    found = with_line("lib/record/fields.idp", "func int bodySort(real[int] & a, int n) { for (int k = 0; k < n; ++k) a[k] = k; "
+        "}\n" + line).writers()
+    fresh = {file: names for owner, others in found.items() for file, names in others.items() if names - WRITERS[owner].get(file,
+        set())}
     assert list(fresh) == ["lib/record/fields.idp"] and name in fresh["lib/record/fields.idp"]
 
 

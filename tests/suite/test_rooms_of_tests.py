@@ -22,7 +22,8 @@ def imported_tests(text):
 
 
 @pytest.mark.parametrize("text, found", [
-    ("from tests.bodies.test_pipe import read", 2), ("def late():\n    from tests.bodies import test_pipe", 1), ("import tests.bodies.test_pipe as pipe", 1),
+    ("from tests.bodies.test_pipe import read", 2), ("def late():\n    from tests.bodies import test_pipe", 1),
+        ("import tests.bodies.test_pipe as pipe", 1),
     ("from tests.scenes import case, write_test_box\nimport pytest", 0),
 ])
 def test_an_import_of_a_test_file_is_seen(text, found):

@@ -5,10 +5,13 @@ import pytest
 
 from tests.conftest import ROOT, run_tool
 
-# A room uses those on the floors before its own; the modules directly in tools/ and the room mesh are commands, which nothing imports.
-FLOORS = ["base"], ["plot", "meshing", "setup", "compile_errors", "docs"], ["study", "transport"], ["peers"], ["validation", "stress"], ["bench"]
+# A room uses those on the floors before its own; the modules directly in tools/ and the room mesh are commands, which nothing
+# imports.
+FLOORS = ["base"], ["plot", "meshing", "setup", "compile_errors", "docs"], ["study", "transport"], ["peers"], ["validation",
+    "stress"], ["bench"]
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
-COMMANDS = sorted([path.stem for path in (ROOT / "tools").glob("*.py") if path.stem != "__init__"] + [path.parent.name for path in (ROOT / "tools").glob("*/__main__.py")])
+COMMANDS = sorted([path.stem for path in (ROOT / "tools").glob("*.py") if path.stem != "__init__"] + [path.parent.name
+    for path in (ROOT / "tools").glob("*/__main__.py")])
 
 
 def imported(text):
@@ -27,7 +30,8 @@ def imported(text):
 
 def upward(room, text):
     """What a module of a room imports though it may not."""
-    return [name for name in imported(text) if name.split(".")[1] != room and FLOOR.get(name.split(".")[1], len(FLOORS)) >= FLOOR[room]]
+    return [name for name in imported(text) if name.split(".")[1] != room and FLOOR.get(name.split(".")[1],
+        len(FLOORS)) >= FLOOR[room]]
 
 
 @pytest.mark.parametrize("text, found", [

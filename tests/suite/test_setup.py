@@ -60,7 +60,8 @@ def test_no_global_hides_a_word_of_the_language(path):
 
 def test_cholmod_is_told_that_the_matrix_is_symmetric():
     """FreeFEM 4.9 returns garbage when a form lacks `sym = 1`, FreeFEM 4.15 aborts when `set` does."""
-    calls = [(path, call) for path in SCRIPTS for call in re.findall(r'[^;]*"CHOLMOD"[^;]*;', re.sub(r"//[^\n]*", "", (ROOT / path).read_text())) if "solver" in call]
+    calls = [(path, call) for path in SCRIPTS for call in re.findall(r'[^;]*"CHOLMOD"[^;]*;', re.sub(r"//[^\n]*", "",
+        (ROOT / path).read_text())) if "solver" in call]
     assert len(calls) >= 8
     assert not [(path, call) for path, call in calls if not re.search(r"\bsym ?= ?1\b", call)]
 
@@ -68,7 +69,8 @@ def test_cholmod_is_told_that_the_matrix_is_symmetric():
 @pytest.mark.skipif(not (ROOT / ".git").exists(), reason="not a checkout")
 def test_the_repository_holds_plain_files_and_nothing_that_is_made():
     """A link, to an environment elsewhere for one, leads nowhere on another machine."""
-    rows = subprocess.run(["git", "ls-files", "--stage", "-z"], cwd=ROOT, check=True, capture_output=True, text=True).stdout.split("\0")
+    rows = subprocess.run(["git", "ls-files", "--stage", "-z"], cwd=ROOT, check=True, capture_output=True,
+        text=True).stdout.split("\0")
     kept = {row.split("\t")[1]: row.split()[0] for row in rows if row}
     assert "README.md" in kept
     assert not [name for name, mode in kept.items() if mode not in ("100644", "100755")]
@@ -125,7 +127,8 @@ def setup(tmp_path):
             (folder / name).chmod(0o755)
         environment = {"PATH": str(folder), "HOME": str(tmp_path), "PYTHON": sys._base_executable} | environment
         command = [str(tmp_path / "tools" / "setup" / "setup.sh")]
-        return subprocess.run(command, env=environment, cwd="/", capture_output=True, text=True, timeout=300, stdin=subprocess.DEVNULL)
+        return subprocess.run(command, env=environment, cwd="/", capture_output=True, text=True, timeout=300,
+            stdin=subprocess.DEVNULL)
 
     return run
 
@@ -169,7 +172,8 @@ def test_setup_in_the_activated_environment_leaves_it_alone():
     if not (ROOT / ".venv/complete").is_file():
         pytest.skip("the environment of this run was not made by make setup")
     path = f"{ROOT}/.venv/bin:{os.environ['PATH']}"
-    run = subprocess.run([ROOT / "tools/setup/setup.sh", "--check"], env=os.environ | {"FREEFEM": FREEFEM, "PATH": path}, capture_output=True, text=True, timeout=60)
+    run = subprocess.run([ROOT / "tools/setup/setup.sh", "--check"], env=os.environ | {"FREEFEM": FREEFEM, "PATH": path},
+        capture_output=True, text=True, timeout=60)
     assert run.returncode == 0 and run.stdout == ""
 
 

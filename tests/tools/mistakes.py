@@ -1,6 +1,7 @@
 """Typical mistakes in a case, as changes of real cases: what a sentence on each must name.
 
-Each row: the case; a text that stands in it once; what it becomes; a word that the sentence must hold; where the fault is: CHANGED (the
+Each row: the case; a text that stands in it once; what it becomes; a word that the sentence must hold; where the fault is: CHANGED
+(the
 line that was changed), a text of the changed case (the line where it begins), or None for what is nowhere (a name that is missing).
 """
 

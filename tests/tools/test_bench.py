@@ -23,7 +23,8 @@ from tools.study.extrema import peak, vortices
 
 
 def curve(program, costs, errors, problem="2d1"):
-    return [Point("flow", problem, program, k, 3, 1000 * 2**k, e, 100.0, c, math.nan, (0.9 * c, 1.1 * c)) for k, (c, e) in enumerate(zip(costs, errors))]
+    return [Point("flow", problem, program, k, 3, 1000 * 2**k, e, 100.0, c, math.nan, (0.9 * c, 1.1 * c)) for k,
+        (c, e) in enumerate(zip(costs, errors))]
 
 
 def test_the_ratio_at_equal_error_is_that_of_the_curves():
@@ -50,7 +51,8 @@ def test_errors_that_do_not_meet_give_bounds_or_nothing():
 
 def test_points_that_are_beaten_do_not_count():
     mine = curve("standard", [1, 2, 4], [1e-1, 3e-1, 1e-2])  # the second is dearer and worse than the first
-    with_it, without = (ratio_at_equal_error(some, curve("published", [10, 40], [1e-1, 1e-2])) for some in (mine, [mine[0], mine[2]]))
+    with_it, without = (ratio_at_equal_error(some, curve("published", [10, 40], [1e-1, 1e-2]))
+        for some in (mine, [mine[0], mine[2]]))
     assert with_it == without
 
 
@@ -70,7 +72,8 @@ def test_rounds_are_interleaved_and_what_is_long_or_fails_runs_once():
                 raise BadInput("it broke")
             return {"unknowns": 10, "cpu_s": seconds * (1 + len(order)), "error": 0.1}
         return Job("flow", "2d1", name, 0, run)
-    samples = run_rounds([job("a", 1), job("long", 9), job("bad", 1, True), job("b", 1)], 3, 5, say=lambda text: None, clock=lambda: now[0])
+    samples = run_rounds([job("a", 1), job("long", 9), job("bad", 1, True), job("b", 1)], 3, 5, say=lambda text: None,
+        clock=lambda: now[0])
     assert order == ["a", "long", "bad", "b", "a", "b", "a", "b"]
     points = {point.program: point for point in collect(samples)}
     assert points["bad"].note == "it broke" and points["a"].number == 3 and points["long"].number == 1
@@ -86,7 +89,8 @@ def test_what_a_feature_guards_is_cut_out():
     cut, count = without_guarded(text, ["f"])
     assert count == 2
     assert cut == "a(); d(); if (h) e(); if (f || h) i(); for (;;) 1; k();"  # the loop does not take the next statement
-    for kept in ("if (!f) a(); if (fg) b();", "if (g && !f) a();", "if (f == 0) a();", "if (f == 0 || g) a();", "if (!(f && g)) a();"):
+    for kept in ("if (!f) a(); if (fg) b();", "if (g && !f) a();", "if (f == 0) a();", "if (f == 0 || g) a();",
+        "if (!(f && g)) a();"):
         assert without_guarded(kept, ["f"]) == (kept, 0)
     assert without_guarded("if (f == 1 && !g) a();", ["f"]) == ("1;", 1)
     cut, count = without_calls("func int look(int n) { return 1; }\nlook(2);\nx = look(3);\n", ["look"])
@@ -106,12 +110,17 @@ def test_the_page_tells_all(tmp_path):
     cost = np.array([1.0, 2, 4])
     points = curve("standard", cost, 0.1 * cost**-2) + curve("published", 20 * cost, 0.1 * cost**-2)
     points.append(Point("flow", "2d1", "NGSolve", 0, 0, *[math.nan] * 5, note="could not be started"))
-    sizes = [Point("scaling", "unknowns", "standard", k, 2, 10.0**k, math.nan, 50.0 * k, math.nan, 0.001 * 10**k, (0.001 * 10**k,) * 2) for k in (1, 2)]
-    skipped = [skip.Skipped("fields", "no fields", 0.01, 0.01, 0.4, (-0.1, 0.9), 7), skip.Skipped("contacts", "far", 0.02, 0.01, 100.0, (99.0, 101.0), 7),
+    sizes = [Point("scaling", "unknowns", "standard", k, 2, 10.0**k, math.nan, 50.0 * k, math.nan, 0.001 * 10**k, (0.001 * 10**k,)
+        * 2) for k in (1, 2)]
+    skipped = [skip.Skipped("fields", "no fields", 0.01, 0.01, 0.4, (-0.1, 0.9), 7), skip.Skipped("contacts", "far", 0.02, 0.01,
+        100.0, (99.0, 101.0), 7),
                skip.Skipped("rotation", "none", note="no longer there")]
-    text = write_page(points + sizes, [], skipped, ["osqp==1.1.3 is not installed: left out"], tmp_path, True, 3.0, (0.1, 2.5), "a machine").read_text()
-    for part in ("published, at an error of", "20 times the time of the standard scheme", "could not be started", "osqp==1.1.3 is not installed", "a machine",
-                 "time as size^1.00", "+0.40 % (-0.10 to +0.90) | 7 | yes", "| NO |", "no longer there", "other work ran beside it", "FreeFEM 4"):
+    text = write_page(points + sizes, [], skipped, ["osqp==1.1.3 is not installed: left out"], tmp_path, True, 3.0, (0.1, 2.5),
+        "a machine").read_text()
+    for part in ("published, at an error of", "20 times the time of the standard scheme", "could not be started",
+        "osqp==1.1.3 is not installed", "a machine",
+                 "time as size^1.00", "+0.40 % (-0.10 to +0.90) | 7 | yes", "| NO |", "no longer there",
+                     "other work ran beside it", "FreeFEM 4"):
         assert part in text, part
     assert draw(points + sizes, skipped, tmp_path / "bench.png").stat().st_size > 10_000
 
@@ -142,17 +151,21 @@ def test_a_tiny_run(tmp_path, monkeypatch):
         assert not (tmp_path / "none").exists()
     finally:
         bench.os.sched_setaffinity(0, affinity)
-    assert list(csv.DictReader(open(tmp_path / "bench.csv")))[:4] == rows and "transport: of an earlier run" in (tmp_path / "bench.md").read_text()
+    assert list(csv.DictReader(open(tmp_path / "bench.csv")))[:4] == rows and "transport: of an earlier run" in (tmp_path
+        / "bench.md").read_text()
 
 
 @pytest.mark.parametrize("words", [[], ["vortex", "9"], ["vortex", "0", "1", "2"], ["vortex", "0", "--help"]])
 def test_a_peer_that_is_called_wrongly_says_how(words):
     done = subprocess.run([sys.executable, "-m", "tools.peers.with_scipy", *words], cwd=ROOT, capture_output=True, text=True)
-    assert done.returncode == 3 and done.stderr.startswith("error: usage: python -m tools.peers.with_scipy PROBLEM LEVEL, which are reference 0 to 0; vortex 0 to 2") and done.stderr.count("\n") == 1
+    assert done.returncode == 3 and done.stderr.startswith("error: usage: python -m tools.peers.with_scipy PROBLEM LEVEL, which "
+        "are reference 0 to 0; vortex 0 to 2") and done.stderr.count("\n") == 1
 
 
-@pytest.mark.parametrize("words, found", [("a 0", ("a", 0)), ("a 2 0.9", ("a", 2, 0.9)), ("b 1", ("b", 1)), ("a", None), ("c 0", None), ("a 3", None), ("b 2", None), ("b -1", None), ("a one", None),
-                                          ("b 0 1", None), ("a 0 1 1", None), ("a 0 0", None), ("a 0 -1", None), ("a 0 nan", None), ("a 0 inf", None)])
+@pytest.mark.parametrize("words, found", [("a 0", ("a", 0)), ("a 2 0.9", ("a", 2, 0.9)), ("b 1", ("b", 1)), ("a", None),
+    ("c 0", None), ("a 3", None), ("b 2", None), ("b -1", None), ("a one", None),
+                                          ("b 0 1", None), ("a 0 1 1", None), ("a 0 0", None), ("a 0 -1", None), ("a 0 nan", None),
+                                              ("a 0 inf", None)])
 def test_the_problems_of_a_peer_have_levels_and_numbers_of_their_own(words, found, monkeypatch, capsys):
     """One number too many, a third level of two and a size of 0 were tracebacks."""
     monkeypatch.setattr(sys, "excepthook", sys.excepthook)  # the import replaces it
@@ -192,7 +205,8 @@ def test_a_limit_that_is_no_time_is_refused():
 def test_times_of_contacts_within_a_decade_have_numbers_at_their_axis(tmp_path, monkeypatch):
     drawn = []
     monkeypatch.setattr(plotting, "save", lambda figure, path: drawn.append(figure))
-    bench_contacts.picture([{"disks": 50, "kind": "random", "solver": solver, "tolerance": 1e-8, "cpu_s": cpu} for solver, cpu in (("newton", 0.002), ("uzawa", 0.004))], tmp_path)
+    bench_contacts.picture([{"disks": 50, "kind": "random", "solver": solver, "tolerance": 1e-8, "cpu_s": cpu} for solver,
+        cpu in (("newton", 0.002), ("uzawa", 0.004))], tmp_path)
     drawn[0].canvas.draw()
     axes, = drawn[0].axes
     low, high = axes.get_ylim()
@@ -218,7 +232,8 @@ def test_a_fall_that_ends_early_is_a_line_of_the_page(monkeypatch, tmp_path):
         return Done(0, "", 1.0, 1.0, 1.0, "")
     monkeypatch.setattr(scenes, "run_case", short)
     monkeypatch.setattr(scenes, "mesh", lambda *words: tmp_path / "some.mesh")
-    sample, = run_rounds([job for job in scenes.particle_jobs(tmp_path, {"published": [(3, 0.005)]}, [], {}, 9)], 1, 9, say=lambda text: None)
+    sample, = run_rounds([job for job in scenes.particle_jobs(tmp_path, {"published": [(3, 0.005)]}, [], {}, 9)], 1, 9,
+        say=lambda text: None)
     assert sample.note == "the rows go from t = 0 to 0.2, not over 0.3 to 0.4"
 
 
@@ -250,10 +265,12 @@ def test_the_numbers_of_a_vortex_street_are_those_of_its_waves():
 
 def test_each_kind_of_packing_has_a_picture(tmp_path, monkeypatch):
     """Only the first had one."""
-    rows = [{"disks": number, "kind": kind, "solver": "newton", "tolerance": 1e-8, "cpu_s": 1e-5 * number} for kind in ("random", "gravity") for number in (50, 500)]
+    rows = [{"disks": number, "kind": kind, "solver": "newton", "tolerance": 1e-8, "cpu_s": 1e-5 * number} for kind in ("random",
+        "gravity") for number in (50, 500)]
     monkeypatch.setattr(bench_contacts, "table", lambda *words, **more: rows)
     assert bench_contacts.main(["--kinds", "random", "gravity", "--peers", "--out", str(tmp_path / "two")]) == 0
-    assert sorted(path.name for path in (tmp_path / "two").iterdir()) == ["bench_contacts.csv", "bench_contacts_gravity.png", "bench_contacts_random.png"]
+    assert sorted(path.name for path in (tmp_path / "two").iterdir()) == ["bench_contacts.csv", "bench_contacts_gravity.png",
+        "bench_contacts_random.png"]
     del rows[2:]
     assert bench_contacts.main(["--peers", "--out", str(tmp_path / "one")]) == 0
     assert sorted(path.name for path in (tmp_path / "one").iterdir()) == ["bench_contacts.csv", "bench_contacts.png"]

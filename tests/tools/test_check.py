@@ -160,7 +160,8 @@ def test_what_is_not_finite_never_matches(tmp_path, bad):
     assert not compare(tmp_path / "b.csv", tmp_path / "b.csv")
 
 
-@pytest.mark.parametrize("name, header", [("forces", "t,id,fx"), ("wallforces", "t,label,fx"), ("fluxes", "t,label,flux"), ("budget", "t,energy")])
+@pytest.mark.parametrize("name, header", [("forces", "t,id,fx"), ("wallforces", "t,label,fx"), ("fluxes", "t,label,flux"),
+    ("budget", "t,energy")])
 def test_forces_and_budgets_are_compared_too(tmp_path, name, header):
     """Each particle and each label of the boundary by itself, where a folder is the reference."""
     who = (1, 2) if header.count(",") == 2 else (1,)

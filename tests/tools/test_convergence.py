@@ -25,25 +25,30 @@ def test_the_order_of_a_power_law_is_found(p, ratio1, ratio2, c, sign, limit):
 def test_values_that_oscillate_or_stand_still_give_no_order():
     one = convergence.estimate([1, 0.5, 0.25], [1.0, 1.2, 1.1])
     assert math.isnan(one.order) and one.limit == 1.1 and one.uncertainty == pytest.approx(0.6)
-    assert "oscillate" in one.note and not one.extrapolated and "oscillate" not in convergence.estimate([1, 0.5, 0.25], [1.0, 1.0, 1.1]).note
+    assert "oscillate" in one.note and not one.extrapolated and "oscillate" not in convergence.estimate([1, 0.5, 0.25],
+        [1.0, 1.0, 1.1]).note
     assert convergence.estimate([1, 0.5, 0.25], [2.0, 2.0, 2.0]).uncertainty == 0
     assert convergence.estimate([1, 0.5, 0.25], [2.0, 2.0 + 1e-15, 2.0 - 1e-15]).uncertainty < 1e-14
     assert "one size" in convergence.estimate([1, 0.5], [2.0, math.nan]).note
     assert "order 2 assumed" in convergence.estimate([1, 0.5], [5.0, 2.0]).note
-    assert convergence.estimate([1, 0.5, 0.25], [2.0, 1.25, 1.0625]).uncertainty == pytest.approx(1.25 / 16)  # 1 + h^2: the order is seen
+    # 1 + h^2: the order is seen
+    assert convergence.estimate([1, 0.5, 0.25], [2.0, 1.25, 1.0625]).uncertainty == pytest.approx(1.25 / 16)
 
 
 @pytest.mark.parametrize("p, used, safety", [(2.19, 2.0, 1.25), (1.81, 2.0, 1.25), (2.25, 2.0, 3), (1.7, 1.7, 3), (0.3, 0.5, 3)])
 def test_the_grid_convergence_index_of_a_power_law(p, used, safety):
-    """Celik et al.: F |f1 - f2|/(r^p - 1), F = 1.25 and the formal order where p is within 10 % of it, else 3 with p kept between 0.5 and it; of the finest three of four."""
+    """Celik et al.: F |f1 - f2|/(r^p - 1), F = 1.25 and the formal order where p is within 10 % of it, else 3 with p kept between
+    0.5 and it; of the finest three of four."""
     values = [7.0, *(1 + h**p for h in (1, 0.5, 0.25))]
     one = convergence.estimate([2, 1, 0.5, 0.25], values)
     step = abs(values[3] - values[2]) / (2**used - 1)
-    assert one.order == pytest.approx(p, rel=1e-6) and one.uncertainty == pytest.approx(safety * step, rel=1e-5) and one.limit == pytest.approx(values[3] - step, rel=1e-6)
+    assert one.order == pytest.approx(p, rel=1e-6) and one.uncertainty == pytest.approx(safety * step,
+        rel=1e-5) and one.limit == pytest.approx(values[3] - step, rel=1e-6)
 
 
 def test_what_an_estimate_makes_of_few_or_odd_values():
-    assert convergence.estimate([1, 0.5], [5.0, 2.0]).uncertainty == pytest.approx(3 * 3 / 3)  # two sizes, order 2: 3 |f1 - f2|/(2^2 - 1)
+    # two sizes, order 2: 3 |f1 - f2|/(2^2 - 1)
+    assert convergence.estimate([1, 0.5], [5.0, 2.0]).uncertainty == pytest.approx(3 * 3 / 3)
     assert convergence.estimate([8, 1, 0.5, 0.25], [9.0, 1.0, 1.2, 1.1]).uncertainty == pytest.approx(0.6)
     assert convergence.estimate([1, 0.5, 0.25], [2.0, 2.0 + 1e-12, 2.0]).uncertainty == pytest.approx(1e-12, rel=1e-2, abs=0)
     assert "oscillate" not in convergence.estimate([1, 0.5, 0.25], [1.0 + 1e-13, 1.0, 1.1]).note  # the first two differ by rounding

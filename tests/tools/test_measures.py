@@ -26,13 +26,16 @@ def test_an_order_is_that_of_the_finest_three():
 
 
 def test_errors_that_are_no_numbers_have_no_part_in_a_fitted_order():
-    assert convergence.fitted_order([1, 0.5, 0.25], [1, math.nan, 1 / 16]) == pytest.approx(2) == convergence.fitted_order([1, 0.5, 0.25], [1, 0.25, math.inf])
+    assert convergence.fitted_order([1, 0.5, 0.25], [1, math.nan, 1 / 16]) == pytest.approx(2) == convergence.fitted_order([1, 0.5,
+        0.25], [1, 0.25, math.inf])
     for sizes, errors in (([1, 1], [1, 2]), ([1], [1]), ([1, 0.5], [1, 0]), ([], [])):
         assert math.isnan(convergence.fitted_order(sizes, errors))
 
 
-@pytest.mark.parametrize("values, note", [([0.0, 0.0], "does not depend"), ([0.0, 0.0, 0.0], "does not depend"), ([1, 1 + 1e-12, 1 + 2e-12], "does not depend"),
-                                          ([1, 1e-13, 0.0], "stand still"), ([1.1, 1 + 1e-10, 1], "any order"), ([1.0, 1.1, 1.1 + 1e-10], "any order")])
+@pytest.mark.parametrize("values, note", [([0.0, 0.0], "does not depend"), ([0.0, 0.0, 0.0], "does not depend"),
+    ([1, 1 + 1e-12, 1 + 2e-12], "does not depend"),
+                                          ([1, 1e-13, 0.0], "stand still"), ([1.1, 1 + 1e-10, 1], "any order"),
+                                              ([1.0, 1.1, 1.1 + 1e-10], "any order")])
 def test_differences_are_rounding_below_eleven_digits_of_the_largest_value(values, note):
     assert note in convergence.estimate([1, 0.5, 0.25][:len(values)], values).note
 
@@ -40,7 +43,8 @@ def test_differences_are_rounding_below_eleven_digits_of_the_largest_value(value
 def test_an_order_is_told_where_it_is_seen():
     assert math.isnan(convergence.estimate([1, 0.5], [5.0, 2.0]).order)  # assumed
     one = convergence.estimate([1, 0.5, 0.25], [8.0, 1.0, 0.125])  # kept to the formal one in the limit only
-    assert one.order == pytest.approx(3) and one.limit == pytest.approx(0.125 - 0.875 / 3) and one.uncertainty == pytest.approx(0.875)
+    assert one.order == pytest.approx(3) and one.limit == pytest.approx(0.125 - 0.875
+        / 3) and one.uncertainty == pytest.approx(0.875)
     assert convergence.estimate([1, 0.5, 0.25], [8.0, 1.0, 0.125], formal=3).limit == pytest.approx(0, abs=1e-12)
 
 
@@ -61,24 +65,32 @@ def test_pareto_points_have_a_cost_and_an_error():
 def drum(**more):
     """A run of 21 rows: particle 3 before particle 7 in number, each column of its own."""
     t = np.linspace(2, 4, 21)
-    tracks = {one: {"t": t, "x": one + t % 1, "y": -one - t % 1, "theta": one * t, "u": one * t, "v": -2 * one * t, "omega": 3 * one * t} for one in (7, 3)}
+    tracks = {one: {"t": t, "x": one + t % 1, "y": -one - t % 1, "theta": one * t, "u": one * t, "v": -2 * one * t,
+        "omega": 3 * one * t} for one in (7, 3)}
     fluid = {"t": t, "kinetic_energy": t**2, "pressure_drop": 5 - t}
-    tables = {"wallforces": {"t": np.repeat(t, 3), "label": np.tile([0.0, 4, 5], 21), "fx": np.repeat(t, 3) * np.tile([1.0, 10, 100], 21), "fy": np.full(63, -9.0)},
-              "forces": {"t": np.repeat(t, 2), "id": np.tile([7.0, 3], 21), "fx": np.tile([1.0, 2], 21), "fy": np.tile([3.0, 4], 21), "torque": np.tile([5.0, 6], 21)},
+    tables = {"wallforces": {"t": np.repeat(t, 3), "label": np.tile([0.0, 4, 5], 21), "fx": np.repeat(t, 3)
+        * np.tile([1.0, 10, 100], 21), "fy": np.full(63, -9.0)},
+              "forces": {"t": np.repeat(t, 2), "id": np.tile([7.0, 3], 21), "fx": np.tile([1.0, 2], 21), "fy": np.tile([3.0, 4],
+                  21), "torque": np.tile([5.0, 6], 21)},
               "fluxes": {"t": np.repeat(t, 2), "label": np.tile([1.0, 2], 21), "flux": np.tile([-8.0, 9], 21)}}
     return SimpleNamespace(case="drum", tracks=tracks, fluid=fluid, table=tables.__getitem__, **more)
 
 
 @pytest.mark.parametrize("text, expected", [
-    ("mean_u", 3 * 3.75), ("mean_v", -6 * 3.75), ("mean_omega", 9 * 3.75), ("mean_u:2:3:7", 7 * 2.5), ("peak_speed", math.hypot(3, 6) * 4), ("final_x", 3), ("final_y:7", -7), ("final_theta", 12),
-    ("mean_pressure_drop:2:4", 2), ("mean_kinetic_energy:2:3", 6.335),  ("mean_wall_fx:-1:2:4", 333), ("mean_wall_fx:0:2:4", 3), ("mean_wall_fx:4:2:4", 30), ("mean_fx", 2), ("mean_fy", 4), ("mean_torque", 6), ("mean_torque:2:4:7", 5),
+    ("mean_u", 3 * 3.75), ("mean_v", -6 * 3.75), ("mean_omega", 9 * 3.75), ("mean_u:2:3:7", 7 * 2.5),
+        ("peak_speed", math.hypot(3, 6) * 4), ("final_x", 3), ("final_y:7", -7), ("final_theta", 12),
+    ("mean_pressure_drop:2:4", 2), ("mean_kinetic_energy:2:3", 6.335),  ("mean_wall_fx:-1:2:4", 333), ("mean_wall_fx:0:2:4", 3),
+        ("mean_wall_fx:4:2:4", 30), ("mean_fx", 2), ("mean_fy", 4), ("mean_torque", 6), ("mean_torque:2:4:7", 5),
     ("mean_flux", 9), ("mean_flux:1:2:4", -8)])
 def test_quantities_take_their_own_column_particle_and_label(text, expected):
-    assert quantities.evaluate(quantities.parse(text, quantities.load()), drum()) == (pytest.approx(expected, rel=1e-12, abs=1e-12), "")
+    assert quantities.evaluate(quantities.parse(text, quantities.load()), drum()) == (pytest.approx(expected, rel=1e-12,
+        abs=1e-12), "")
 
 
-@pytest.mark.parametrize("text, says", [("mean_fx:2:4:5", "there is no particle 5"), ("mean_fx:2:4:0", "there is no particle 0"), ("mean_wall_fx:7", "no rows of label 7"), ("mean_flux:3", "no rows of label 3"), ("mean_u:1.9:3", "not over 1.9 to 3"),
-                                        ("mean_u:3:4.1", "not over 3 to 4.1"), ("mean_u:3:3", "is empty"), ("noise_v:2:2.3", "only 4 rows in the window")])
+@pytest.mark.parametrize("text, says", [("mean_fx:2:4:5", "there is no particle 5"), ("mean_fx:2:4:0", "there is no particle 0"),
+    ("mean_wall_fx:7", "no rows of label 7"), ("mean_flux:3", "no rows of label 3"), ("mean_u:1.9:3", "not over 1.9 to 3"),
+                                        ("mean_u:3:4.1", "not over 3 to 4.1"), ("mean_u:3:3", "is empty"),
+                                            ("noise_v:2:2.3", "only 4 rows in the window")])
 def test_quantities_say_what_is_not_there(text, says):
     value, why = quantities.evaluate(quantities.parse(text, quantities.load()), drum())
     assert math.isnan(value) and says in why
@@ -122,11 +134,13 @@ def test_noise_is_about_a_parabola_over_the_whole_window():
 
 
 @pytest.mark.parametrize("inlet, outlet, extent, expected", [
-    ([0, 0], [0, 0], 1, 0), ([1e-12, -1e-12], [0, 0], 1, 0), ([1e-6, 0], [0, 0], 1, 1), ([1e-9, 0], [0, 0], 1, 1), ([1e-9, 0], [0, 0], 100, 0),
+    ([0, 0], [0, 0], 1, 0), ([1e-12, -1e-12], [0, 0], 1, 0), ([1e-6, 0], [0, 0], 1, 1), ([1e-9, 0], [0, 0], 1, 1),
+        ([1e-9, 0], [0, 0], 100, 0),
     ([2, 2], [-2, -1], 1, 0.5), ([2, 1], [2, 1], 1, 0), ([0, 0], [0, -3], 1, 1), ([1, 1], [-2, -1], 1, 0.5)])
 def test_the_error_of_the_flux_is_over_the_largest_flux(inlet, outlet, extent, expected):
     """Rounding is below 1e-10 of the top speed (1) times the longer side."""
-    run = SimpleNamespace(mesh="one", extent=(0, 0, 0.5, extent), fluid={"t": np.arange(2.0), "flux_in": np.array(inlet, float), "flux_out": np.array(outlet, float), "top_speed": np.array([0.5, 1])})
+    run = SimpleNamespace(mesh="one", extent=(0, 0, 0.5, extent), fluid={"t": np.arange(2.0), "flux_in": np.array(inlet, float),
+        "flux_out": np.array(outlet, float), "top_speed": np.array([0.5, 1])})
     assert quantities.flux_error(run) == pytest.approx(expected)
     run.fluid |= {name: np.zeros(2) for name in ("flux_in", "flux_out", "top_speed")}
     assert quantities.flux_error(run) == 0  # at rest
@@ -140,15 +154,18 @@ def test_overlap_is_over_the_smallest_radius(gaps, expected):
 
 def test_what_a_quantity_of_ones_own_gives_is_judged(tmp_path):
     """One of the same name comes before the tool's; a nan and an error are reasons."""
-    (tmp_path / "own.py").write_text("def mean_v(run):\n    return 5\ndef none(run):\n    return float('nan')\ndef bare(run):\n    raise KeyError\n")
+    (tmp_path / "own.py").write_text("def mean_v(run):\n    return 5\ndef none(run):\n    return float('nan')\ndef bare(run):\n  "
+        "  raise KeyError\n")
     known = quantities.load([tmp_path / "own.py"])
     found = {name: quantities.evaluate(quantities.parse(name, known), None) for name in ("mean_v", "none", "bare")}
-    assert found["mean_v"] == (5, "") and found["none"][1] == "the quantity is nan" and found["bare"][1] == "KeyError" and math.isnan(found["none"][0])
+    assert found["mean_v"] == (5,
+        "") and found["none"][1] == "the quantity is nan" and found["bare"][1] == "KeyError" and math.isnan(found["none"][0])
 
 
 def measured(folder, *command, environment=None):
     """(status of measure.py, status, CPU s, wall s, MiB) of a command."""
-    done = subprocess.run([sys.executable, "-I", "-S", ROOT / "tools" / "base" / "measure.py", folder / "cost", *command], capture_output=True, env=environment)
+    done = subprocess.run([sys.executable, "-I", "-S", ROOT / "tools" / "base" / "measure.py", folder / "cost", *command],
+        capture_output=True, env=environment)
     return done.returncode, *map(float, (folder / "cost").read_text().split())
 
 
@@ -162,7 +179,8 @@ def test_the_cost_of_a_command_is_its_own(tmp_path):
 
 def test_the_system_s_time_counts(tmp_path):
     copy = f"import resource; data = b'1' * 1_000_000; f = open({str(tmp_path / 'big')!r}, 'wb', 0); [(f.seek(0), f.write(data)) for _ in range(300)]; u = resource.getrusage(resource.RUSAGE_SELF); print(u.ru_stime)"
-    done = subprocess.run([sys.executable, "-I", "-S", ROOT / "tools" / "base" / "measure.py", tmp_path / "cost", sys.executable, "-I", "-S", "-c", copy], capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "-I", "-S", ROOT / "tools" / "base" / "measure.py", tmp_path / "cost", sys.executable,
+        "-I", "-S", "-c", copy], capture_output=True, text=True)
     system, cpu = float(done.stdout), float((tmp_path / "cost").read_text().split()[1])
     assert cpu >= system > 0
 
@@ -174,5 +192,6 @@ def test_a_command_that_a_signal_ends_is_told_by_its_number(tmp_path):
 
 def test_the_command_has_the_environment_and_its_words_are_needed(tmp_path):
     assert measured(tmp_path, "sh", "-c", "exit $MEASURED", environment={**os.environ, "MEASURED": "7"})[:2] == (7, 7)
-    done = subprocess.run([sys.executable, "-I", "-S", ROOT / "tools" / "base" / "measure.py", tmp_path / "cost"], capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "-I", "-S", ROOT / "tools" / "base" / "measure.py", tmp_path / "cost"],
+        capture_output=True, text=True)
     assert done.returncode == 1 and done.stderr.startswith("usage: ") and done.stderr.count("\n") == 1

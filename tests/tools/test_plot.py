@@ -73,7 +73,8 @@ def test_a_track_across_a_periodic_seam_is_cut():
 def test_particles_of_a_periodic_run_are_drawn_inside_and_on_both_sides_of_its_seams(tmp_path):
     (tmp_path / "run.json").write_text('{"case": "made_up", "period": [2, 1]}')
     head = "step,t,id,x,y,theta,u,v,omega,radius\n"
-    (tmp_path / "particles.csv").write_text(head + "0,0,4,7.05,0.5,0,1,0,0,0.1\n0,0,5,-0.05,-0.02,0,1,0,0,0.1\n1,1,4,6.75,0.5,0,1,0,0,0.1\n1,1,5,-0.05,0.98,0,1,0,0,0.1\n")
+    (tmp_path / "particles.csv").write_text(head
+        + "0,0,4,7.05,0.5,0,1,0,0,0.1\n0,0,5,-0.05,-0.02,0,1,0,0,0.1\n1,1,4,6.75,0.5,0,1,0,0,0.1\n1,1,5,-0.05,0.98,0,1,0,0,0.1\n")
     run = RunFolder(tmp_path)
     run.__dict__["extent"] = (1.0, 0.0, 2.0, 1.0)  # as a mesh has it
     rows = run.particles_at(0.0).T
@@ -82,7 +83,8 @@ def test_particles_of_a_periodic_run_are_drawn_inside_and_on_both_sides_of_its_s
     assert run.clip == run.extent
     pieces = plot.broken(run.tracks[4], run.extent, run.period)  # both reach over the seam at x = 1 and 3
     assert [piece[:, 0].tolist() for piece in pieces] == [pytest.approx([1.05, 0.75]), pytest.approx([3.05, 2.75])]
-    assert [len(piece) for piece in plot.broken({"x": np.array([1.2, 2.4, 3.4, 3.6, 2.8]), "y": np.full(5, 0.5)}, run.extent, (2, 0))] == [3, 4, 2]
+    assert [len(piece) for piece in plot.broken({"x": np.array([1.2, 2.4, 3.4, 3.6, 2.8]), "y": np.full(5, 0.5)}, run.extent,
+        (2, 0))] == [3, 4, 2]
 
 
 def test_six_times_are_spread_and_end_at_the_end():
@@ -122,7 +124,9 @@ def test_units_are_those_of_the_options(tmp_path):
     assert RunFolder(folder).units["length"] == "m"
     (folder / "run.json").write_text(json.dumps({"case": "settling_disk", "units": {"-rhos": "g/cm3", "-penalty": "m2 s/kg"}}))
     assert RunFolder(folder).units == {"length": "cm", "time": "s", "mass": "g"}
-    for units, names in (({"-rho": "mg/mm3", "-dt": "s"}, ("mm", "mg")), ({"-rhof": "ng/um3", "-mu": "ng/(um ms)"}, ("um", "ng")), ({"-length": "m", "-penalty": "m s/kg"}, ("m", "kg")), ({"-reynolds": "", "-dt": "s", "-contact-tol": "mean radii"}, ("L", "M")), ({"-reynolds": "", "-outlet": "H", "-inlet": "h"}, ("L", "M"))):
+    for units, names in (({"-rho": "mg/mm3", "-dt": "s"}, ("mm", "mg")), ({"-rhof": "ng/um3", "-mu": "ng/(um ms)"}, ("um", "ng")),
+        ({"-length": "m", "-penalty": "m s/kg"}, ("m", "kg")), ({"-reynolds": "", "-dt": "s", "-contact-tol": "mean radii"},
+            ("L", "M")), ({"-reynolds": "", "-outlet": "H", "-inlet": "h"}, ("L", "M"))):
         (folder / "run.json").write_text(json.dumps({"case": "mine", "units": units}))
         assert (RunFolder(folder).units["length"], RunFolder(folder).units["mass"]) == names
 
@@ -169,7 +173,8 @@ def test_a_flow_without_particles_has_no_panels_of_them(tmp_path):
     for name in ("particles", "contacts"):
         table[name][:] = 0
     write_csv(folder / "fluid.csv", table, np.column_stack([*table.values()]))
-    assert [panel[0] for panel in plot.series(RunFolder(folder))] == ["flux (m$^2$/s)", "pressure drop (Pa)", "kinetic energy (J/m)"]
+    assert [panel[0] for panel in plot.series(RunFolder(folder))] == ["flux (m$^2$/s)", "pressure drop (Pa)",
+        "kinetic energy (J/m)"]
 
 
 def test_what_rounding_lets_through_a_turning_cylinder_is_no_flux(run, monkeypatch):
@@ -224,7 +229,8 @@ def test_a_run_that_failed_is_drawn_as_one(run, tmp_path, capsys):
         plot.main([str(copy)])
 
 
-@pytest.mark.parametrize("extent", [(0, 0, 1, 1), (-250, -250, 100, 100), (1000, -500, 1, 1), (0, 0, 4, 1), (-1e-4, 0, 2e-4, 5e-4), (-2, 0, 1, 8), (0, 0, 1, 3), (1000, 0, 1, 3)])
+@pytest.mark.parametrize("extent", [(0, 0, 1, 1), (-250, -250, 100, 100), (1000, -500, 1, 1), (0, 0, 4, 1), (-1e-4, 0, 2e-4, 5e-4),
+    (-2, 0, 1, 8), (0, 0, 1, 3), (1000, 0, 1, 3)])
 def test_labels_of_ticks_stay_apart_and_in_the_picture(extent, tmp_path):
     figure, axes, bar = panels(6, extent)
     bar.remove()
@@ -232,7 +238,8 @@ def test_labels_of_ticks_stay_apart_and_in_the_picture(extent, tmp_path):
         frame(one, extent, "cm")
     figure.draw_without_rendering()
     boxes = [label.get_window_extent() for one in axes if one.last_row for label in one.get_xticklabels() if label.get_text()]
-    assert len(boxes) >= sum(one.last_row for one in axes) and not [1 for k, a in enumerate(boxes) for b in boxes[:k] if a.overlaps(b)]
+    assert len(boxes) >= sum(one.last_row for one in axes) and not [1 for k, a in enumerate(boxes) for b in boxes[:k]
+        if a.overlaps(b)]
     picture = plt.imread(save(figure, tmp_path / "panels.png"))
     assert (picture[:, :8, :3] == 1).all() and (picture[:, -8:, :3] == 1).all()  # nothing is cut off
 

@@ -40,7 +40,8 @@ def test_the_labels_of_heights_of_low_scenes_keep_apart(tmp_path, monkeypatch, w
 
 def test_the_energies_have_their_names_above_them(tmp_path, monkeypatch):
     write_run(tmp_path, steps=10)
-    write_csv(tmp_path / "motion.csv", ["step", "t", "kinetic_energy", "potential_energy", "worst_gap"], [[k, k, 1 + k, 10 - k, 0] for k in range(10)])
+    write_csv(tmp_path / "motion.csv", ["step", "t", "kinetic_energy", "potential_energy", "worst_gap"], [[k, k, 1 + k, 10 - k, 0]
+        for k in range(10)])
     drawn = []
     monkeypatch.setattr(plot_contacts, "save", lambda figure, path: drawn.append(figure))
     plot_contacts.plot_energy(plot_contacts.ContactRun(tmp_path), None)
@@ -53,7 +54,8 @@ def test_the_energies_have_their_names_above_them(tmp_path, monkeypatch):
 def test_an_energy_of_nothing_is_not_drawn_as_one(tmp_path, monkeypatch):
     """Particles at rest had a millionth of the largest energy in the picture."""
     write_run(tmp_path, steps=10)
-    write_csv(tmp_path / "motion.csv", ["step", "t", "kinetic_energy", "potential_energy", "worst_gap"], [[k, k, 8 - k if k < 8 else 0, 1, 0] for k in range(10)])
+    write_csv(tmp_path / "motion.csv", ["step", "t", "kinetic_energy", "potential_energy", "worst_gap"],
+        [[k, k, 8 - k if k < 8 else 0, 1, 0] for k in range(10)])
     drawn = []
     monkeypatch.setattr(plot_contacts, "save", lambda figure, path: drawn.append(figure))
     plot_contacts.plot_energy(plot_contacts.ContactRun(tmp_path), None)
@@ -72,7 +74,8 @@ def test_the_labels_of_time_keep_apart(tmp_path, monkeypatch, t_end):
     figure = drawn[0]
     figure.canvas.draw()
     for one in figure.axes:
-        boxes = sorted(((box.x0, box.x1) for box in (label.get_window_extent() for label in one.get_xticklabels() if label.get_text())))
+        boxes = sorted(((box.x0, box.x1) for box in (label.get_window_extent() for label in one.get_xticklabels()
+            if label.get_text())))
         assert all(right[0] - left[1] > 12 for left, right in zip(boxes, boxes[1:]))  # two digits
     plt.close(figure)
 
@@ -123,8 +126,10 @@ def test_a_run_of_contacts_without_a_row_of_its_motion_is_refused(tmp_path):
 def test_a_film_of_contacts_has_as_many_frames_as_asked_for(tmp_path):
     """By the option that films of flows have too."""
     from PIL import Image
-    write_csv(tmp_path / "particles.csv", "step,t,id,x,y,theta,u,v,omega,radius".split(","), [[k, k, i, i, 1 - 0.1 * k, 0, 0, -0.1, 0, 0.2] for k in range(6) for i in range(2)])
-    write_csv(tmp_path / "motion.csv", "step,t,kinetic_energy,potential_energy,worst_gap".split(","), [[k, k, 1, 1, 0.1] for k in range(6)])
+    write_csv(tmp_path / "particles.csv", "step,t,id,x,y,theta,u,v,omega,radius".split(","),
+        [[k, k, i, i, 1 - 0.1 * k, 0, 0, -0.1, 0, 0.2] for k in range(6) for i in range(2)])
+    write_csv(tmp_path / "motion.csv", "step,t,kinetic_energy,potential_energy,worst_gap".split(","), [[k, k, 1, 1, 0.1]
+        for k in range(6)])
     assert plot_contacts.main([str(tmp_path), "--only", "film", "--gif", "--frames", "3"]) == 0
     with Image.open(tmp_path / "film.gif") as film:
         assert film.n_frames == 3

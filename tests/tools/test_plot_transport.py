@@ -20,9 +20,12 @@ def test_times_of_a_transport_run_lie_within_it(tmp_path, times):
 
 
 def test_carried_particles_without_a_mesh_have_their_walls_their_units_and_no_spokes(tmp_path, monkeypatch):
-    """No mesh: the walls are those of walls.csv; spheres that do not turn have no line at an angle of 0; times have the unit of the case."""
-    (tmp_path / "run.json").write_text(json.dumps({"case": "drops", "status": "finished", "units": {"-length": "mm", "-delay": "ms"}, "parameters": {}}))
-    write_csv(tmp_path / "particles.csv", "step t id x y theta u v omega radius".split(), [[k, 10.0 * k, 0, 2.0 + k, 1.0, 0, 0.1, 0, 0, 0.5] for k in range(4)])
+    """No mesh: the walls are those of walls.csv; spheres that do not turn have no line at an angle of 0; times have the unit of the
+    case."""
+    (tmp_path / "run.json").write_text(json.dumps({"case": "drops", "status": "finished", "units": {"-length": "mm",
+        "-delay": "ms"}, "parameters": {}}))
+    write_csv(tmp_path / "particles.csv", "step t id x y theta u v omega radius".split(), [[k, 10.0 * k, 0, 2.0 + k, 1.0, 0, 0.1,
+        0, 0, 0.5] for k in range(4)])
     write_csv(tmp_path / "steps.csv", ["step", "t"], [[k, 10.0 * k] for k in range(4)])
     write_csv(tmp_path / "walls.csv", ["x1", "y1", "x2", "y2"], [[0, 0.5, 9, 0.5]])
     figures = []

@@ -17,7 +17,8 @@ def test_the_quantities_of_a_made_up_run(tmp_path):
     got = {name: quantities.evaluate(quantities.parse(name, known), run) for name in known if name != "result"}  # of steady flows
     assert all(why == "" for _, why in got.values()), got
     assert got["mean_wall_fx"][0] == pytest.approx(3.5) and quantities.mean_wall_fx(run, 4) == pytest.approx(2)
-    assert got["mean_fx"][0] == pytest.approx(2) and quantities.mean_fx(run, particle=1) == pytest.approx(3) and got["mean_torque"][0] == pytest.approx(0.5)
+    assert got["mean_fx"][0] == pytest.approx(2) and quantities.mean_fx(run,
+        particle=1) == pytest.approx(3) and got["mean_torque"][0] == pytest.approx(0.5)
     assert got["mean_fy"][0] == pytest.approx(0.875 * run.fluid["t"].max())  # the force is the time, over the last quarter
     outlets = [quantities.mean_flux(run, label) for label in (2, 12)]
     assert outlets[0] == pytest.approx(3 * outlets[1]) and got["mean_flux"][0] == outlets[0] > 0 > quantities.mean_flux(run, 1)
@@ -42,32 +43,40 @@ def test_windows_of_quantities():
     """The one that is asked for, also between two rows; that of the case's references; else the last quarter."""
     t = np.linspace(0, 1, 11)
     track = {"t": t, "v": 2 * t, "u": np.where(t < 0.95, 0.0, 3.0)}
-    run = SimpleNamespace(case="drum", tracks={3: track, 7: {"t": t, "v": -t, "u": 0 * t}}, fluid={"t": t, "flux_in": 1 + 0 * t, "flux_out": np.where(t == 0.5, -0.96, -1.0), "worst_gap": 0.1 - t},
+    run = SimpleNamespace(case="drum", tracks={3: track, 7: {"t": t, "v": -t, "u": 0 * t}}, fluid={"t": t, "flux_in": 1 + 0 * t,
+        "flux_out": np.where(t == 0.5, -0.96, -1.0), "worst_gap": 0.1 - t},
                           particles={"radius": np.array([2.0, 0.5])})
-    assert quantities.mean_v(run) == pytest.approx(2 * 0.875) and quantities.mean_v(run, 0.23, 0.47) == pytest.approx(0.7) and quantities.mean_v(run, 0.5) == pytest.approx(1.5)
-    assert quantities.mean_v(run, particle=7) == pytest.approx(-0.875) and quantities.mean_u(run) == pytest.approx(0.1 * 3 / 2 / 0.25)
+    assert quantities.mean_v(run) == pytest.approx(2 * 0.875) and quantities.mean_v(run, 0.23,
+        0.47) == pytest.approx(0.7) and quantities.mean_v(run, 0.5) == pytest.approx(1.5)
+    assert quantities.mean_v(run, particle=7) == pytest.approx(-0.875) and quantities.mean_u(run) == pytest.approx(0.1 * 3 / 2
+        / 0.25)
     assert quantities.mean_v(SimpleNamespace(case="settling_disk", tracks=run.tracks)) == pytest.approx(0.7)
-    assert quantities.peak_speed(run) == pytest.approx(13**0.5) and quantities.flux_error(run) == pytest.approx(0.04) and quantities.worst_overlap(run) == pytest.approx(1.8)
+    assert (quantities.peak_speed(run) == pytest.approx(13**0.5) and quantities.flux_error(run) == pytest.approx(0.04)
+        and quantities.worst_overlap(run) == pytest.approx(1.8))
     for start, end in ((0.5, 1.1), (-0.1, 0.5), (0.6, 0.6)):
         with pytest.raises(ValueError):
             quantities.mean_v(run, start, end)
     fine = np.linspace(0, 1, 1001)
     noisy = SimpleNamespace(case="", tracks={0: {"t": fine, "v": 5 + 2 * fine - fine**2 + 0.01 * np.sin(200 * np.pi * fine)}})
     assert quantities.noise_v(noisy, 0, 1) == pytest.approx(0.01 / 2**0.5 / (17 / 3), rel=2e-3)
-    assert quantities.noise_v(noisy, 0.2, 0.3) == pytest.approx(0.01 / 2**0.5 / np.mean(5 + 2 * fine[200:301] - fine[200:301] ** 2), rel=0.02)
+    assert quantities.noise_v(noisy, 0.2, 0.3) == pytest.approx(0.01 / 2**0.5 / np.mean(5 + 2 * fine[200:301]
+        - fine[200:301] ** 2), rel=0.02)
 
 
 def test_quantities_of_the_end_and_of_extremes():
     t = np.arange(3.0)
-    run = SimpleNamespace(case="drum", mesh=None, tracks={0: {"t": t, "x": np.array([1.0, 5, 3]), "y": np.array([2.0, 7, 4]), "theta": np.array([0.0, 9, 6]), "v": t}}, particles={"radius": np.array([0.5])},
-                          fluid={"t": t, "flux_in": np.array([0.5, 0.5, 0.5]), "flux_out": np.array([-0.5, -1.0, -0.5]), "worst_gap": t + 0.1})
+    run = SimpleNamespace(case="drum", mesh=None, tracks={0: {"t": t, "x": np.array([1.0, 5, 3]), "y": np.array([2.0, 7, 4]),
+        "theta": np.array([0.0, 9, 6]), "v": t}}, particles={"radius": np.array([0.5])},
+                          fluid={"t": t, "flux_in": np.array([0.5, 0.5, 0.5]), "flux_out": np.array([-0.5, -1.0, -0.5]),
+                              "worst_gap": t + 0.1})
     assert (quantities.final_x(run), quantities.final_y(run), quantities.final_theta(run)) == (3, 4, 6)
     assert quantities.flux_error(run) == pytest.approx(0.5) and quantities.worst_overlap(run) == 0
     with pytest.raises(ValueError, match="only 3 rows"):
         quantities.noise_v(run, 0, 2)
 
 
-@pytest.mark.parametrize("times, window", [((0, 1), ()), ((0, 0.5, 1), ()), ((0, 0.01, 0.02, 0.3, 0.6, 0.9, 1), ()), ((0, 0.5, 1), (0.6, 0.7))])
+@pytest.mark.parametrize("times, window", [((0, 1), ()), ((0, 0.5, 1), ()), ((0, 0.01, 0.02, 0.3, 0.6, 0.9, 1), ()),
+    ((0, 0.5, 1), (0.6, 0.7))])
 def test_a_mean_of_too_few_rows_is_refused(times, window):
     """It would be one of the straight line from the start to the end."""
     t = np.array(times)
@@ -100,8 +109,11 @@ def test_every_quantity_has_a_whole_sentence_in_the_help():
     assert len(lines) > 10 and not [line for line in lines if not re.search(r"\S {2,}\S.*[.]$", line)]
 
 
-@pytest.mark.parametrize("text, says", [("final_y:0.5", "there is no particle 0.5"), ("final_y:2", "there is no particle 2"), ("final_y:nan", "there is no particle nan"),
-                                        ("mean_v:0:inf", "the window from 0 to inf has no end"), ("mean_v:-inf:1", "the window from -inf to 1 has no end"), ("mean_v:1:0.5", "the window from 1 to 0.5 is empty")])
+@pytest.mark.parametrize("text, says", [("final_y:0.5", "there is no particle 0.5"), ("final_y:2", "there is no particle 2"),
+    ("final_y:nan", "there is no particle nan"),
+                                        ("mean_v:0:inf", "the window from 0 to inf has no end"),
+                                            ("mean_v:-inf:1", "the window from -inf to 1 has no end"),
+                                                ("mean_v:1:0.5", "the window from 1 to 0.5 is empty")])
 def test_a_particle_or_a_window_that_there_is_not_is_told(text, says):
     """A half of a particle was the one before, an endless window a nan without a reason."""
     t = np.linspace(0, 2, 21)

@@ -15,7 +15,8 @@ TEMPLATE = (ROOT / "cases/template.edp").read_text()
 def tool(*words, cwd=ROOT, **options):
     """tools/run.py in another process."""
     options.setdefault("capture_output", True)
-    return subprocess.run([sys.executable, str(ROOT / "tools/run.py"), *map(str, words)], cwd=cwd, text=True, timeout=120, **options)
+    return subprocess.run([sys.executable, str(ROOT / "tools/run.py"), *map(str, words)], cwd=cwd, text=True, timeout=120,
+        **options)
 
 
 def test_what_does_not_compile_ends_in_one_line_and_nothing_runs(tmp_path):
@@ -35,12 +36,14 @@ def test_output_and_status_are_freefems(tmp_path):
 
 
 @pytest.mark.parametrize("text, words, said", [
-    (TEMPLATE, ["-tennd", 1], "unknown option -tennd"), (TEMPLATE.replace('include "scripts/resolved.edp"', ""), [], "includes no driver")])
+    (TEMPLATE, ["-tennd", 1], "unknown option -tennd"), (TEMPLATE.replace('include "scripts/resolved.edp"', ""), [],
+        "includes no driver")])
 def test_the_error_of_a_run_is_the_last_line(text, words, said, tmp_path):
     (tmp_path / "my.edp").write_text(text)
     done = tool("my.edp", *words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, capture_output=False)
     lines = done.stdout.strip().splitlines()
-    assert done.returncode == 3 and lines[-1].startswith("error: ") and said in lines[-1] and done.stdout.count("error: ") == 1, done.stdout
+    assert (done.returncode == 3 and lines[-1].startswith("error: ") and said in lines[-1]
+        and done.stdout.count("error: ") == 1), done.stdout
 
 
 def test_files_are_those_of_the_folder_where_the_user_is(tmp_path):
@@ -57,7 +60,8 @@ def test_files_are_those_of_the_folder_where_the_user_is(tmp_path):
 
 
 @pytest.mark.parametrize("name, content, said", [
-    ("tempate.edp", None, "is cases/template.edp meant?"), ("cases/nothing_like_it.edp", None, "there is no script"), ("my.idp", b"", "must end with .edp"),
+    ("tempate.edp", None, "is cases/template.edp meant?"), ("cases/nothing_like_it.edp", None, "there is no script"),
+        ("my.idp", b"", "must end with .edp"),
     ("my.edp", TEMPLATE.encode("utf-16"), "no plain text")])
 def test_what_is_no_script_is_refused(name, content, said, tmp_path):
     if content is not None:
@@ -71,12 +75,15 @@ def test_help_tells_of_folders_and_signals():
     assert done.returncode == 0 and all(word in done.stdout for word in ("Ctrl-C", "-out", "status is 3", "FREEFEM"))
 
 
-@pytest.mark.parametrize("number, deaf", [(signal.SIGINT, False), (signal.SIGTERM, False), (signal.SIGHUP, False), (signal.SIGTERM, True)])
+@pytest.mark.parametrize("number, deaf", [(signal.SIGINT, False), (signal.SIGTERM, False), (signal.SIGHUP, False),
+    (signal.SIGTERM, True)])
 def test_a_signal_leaves_nothing_running(number, deaf, tmp_path):
     """FreeFEM, and what it has started: a child that ignores the signal too."""
     trap = "trap '' INT TERM HUP; " if deaf else ""
-    (tmp_path / "long.edp").write_text(f'exec("{trap}echo $PPID $$ > pids; sleep 60; sleep 60");\n'.replace("pids", str(tmp_path / "pids")))
-    run = subprocess.Popen([sys.executable, str(ROOT / "tools/run.py"), "long.edp"], cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    (tmp_path / "long.edp").write_text(f'exec("{trap}echo $PPID $$ > pids; sleep 60; sleep 60");\n'.replace("pids",
+        str(tmp_path / "pids")))
+    run = subprocess.Popen([sys.executable, str(ROOT / "tools/run.py"), "long.edp"], cwd=tmp_path, stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE, text=True)
     until(lambda: (tmp_path / "pids").is_file() and (tmp_path / "pids").read_text().endswith("\n"))
     pids = [int(word) for word in (tmp_path / "pids").read_text().split()]
     assert all(map(alive, pids))

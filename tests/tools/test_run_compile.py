@@ -16,13 +16,15 @@ def told(text, tmp_path):
     """The sentence on a script of this text."""
     case = tmp_path / "my.edp"
     case.write_text(text)
-    run = subprocess.run([FREEFEM, "-nw", *explain.COMPILE, str(case)], cwd=ROOT, capture_output=True, text=True, errors="replace", timeout=60)
+    run = subprocess.run([FREEFEM, "-nw", *explain.COMPILE, str(case)], cwd=ROOT, capture_output=True, text=True, errors="replace",
+        timeout=60)
     return explain.sentence(case, "my.edp", run.stdout) if run.returncode else explain.before_run(case, "my.edp")
 
 
 def named(rows):
     """The rows of a table, each a test."""
-    return pytest.mark.parametrize("case, old, new, word, where", rows, ids=[f"{row[0]}-{number}" for number, row in enumerate(rows)])
+    return pytest.mark.parametrize("case, old, new, word, where", rows, ids=[f"{row[0]}-{number}" for number,
+        row in enumerate(rows)])
 
 
 @named(MISTAKES + KEPT_APART)
@@ -59,14 +61,17 @@ def test_a_mistake_in_a_file_of_the_users_own_is_placed_there(tmp_path):
 def test_line_ends_and_marks_of_other_systems(change, line, tmp_path):
     text = (ROOT / "cases/template.edp").read_text().replace("real mu = ", "real mu = rhofluid*")
     (tmp_path / "my.edp").write_bytes(change(text).encode())
-    run = subprocess.run([FREEFEM, "-nw", *explain.COMPILE, str(tmp_path / "my.edp")], cwd=ROOT, capture_output=True, text=True, errors="replace")
+    run = subprocess.run([FREEFEM, "-nw", *explain.COMPILE, str(tmp_path / "my.edp")], cwd=ROOT, capture_output=True, text=True,
+        errors="replace")
     said = explain.sentence(tmp_path / "my.edp", "my.edp", run.stdout)
     assert f"line {line}: " in said and ("rhofluid" in said if line > 1 else "U+FEFF" in said), said
 
 
 def test_a_macro_is_read_up_to_the_next_two_slashes():
-    script = lexer.read('macro one(a, b) (a + "x" + b) // EOM\nreal c = 1; // macro none() 3\nmacro two() {\n    c = 2; /* so */\n} // EOM\nc = 3;')
-    assert [(macro.name, macro.parameters, macro.line, macro.last) for macro in script.macros] == [("one", ["a", "b"], 1, 1), ("two", [], 3, 5)]
+    script = lexer.read('macro one(a, b) (a + "x" + b) // EOM\nreal c = 1; // macro none() 3\nmacro two() {\n    c = 2; /* so '
+        '*/\n} // EOM\nc = 3;')
+    assert [(macro.name, macro.parameters, macro.line, macro.last) for macro in script.macros] == [("one", ["a", "b"], 1, 1),
+        ("two", [], 3, 5)]
     assert [token.text for token in script.tokens] == ["real", "c", "=", "1", ";", "c", "=", "3", ";"] and not script.faults
 
 
@@ -74,21 +79,28 @@ def test_declarations_are_read_with_their_kinds():
     text = "int[int] a = [1, 2], b(3); func real f(real t, real[int, int] & m) { real inner = 2; } Vh [u, v] = [x, y]; real[int] c; for (int k = 0; ;) {}"
     found = {one.name: (one.kind, one.depth, one.parameters) for one in declared(lexer.read(text).tokens, ["Vh"])}
     assert found["a"] == found["b"] == ("int[int]", 0, None) and found["f"] == ("func real", 0, ("real t", "real[int, int] & m"))
-    assert found["inner"] == ("real", 1, None) and found["u"] == found["v"] == ("Vh", 0, None) and found["c"][0] == "real[int]" and found["k"][1] == 1
+    assert found["inner"] == ("real", 1, None) and found["u"] == found["v"] == ("Vh", 0,
+        None) and found["c"][0] == "real[int]" and found["k"][1] == 1
 
 
 def test_a_message_is_taken_apart():
-    said = message.read("error operator (  <c>, <Pd>\n List of choices \n\t (\t  <l> :   <NSt7__cxx1112basic_string>, <P2KNIdE> )\n\n"
-                        " Error line number 36, in file  macro: caseParticles in a b.edp, before  token )\n\n  current line = 36\nCompile error : \n")
-    assert (said.kind, said.name, said.file, said.line, said.token, said.macro) == ("operator", "(", "a b.edp", 36, ")", "caseParticles")
+    said = message.read("error operator (  <c>, <Pd>\n List of choices \n\t (\t  <l> :   <NSt7__cxx1112basic_string>, <P2KNIdE> "
+        ")\n\n"
+                        " Error line number 36, in file  macro: caseParticles in a b.edp, before  token )\n\n  current line = "
+                            "36\nCompile error : \n")
+    assert (said.kind, said.name, said.file, said.line, said.token, said.macro) == ("operator", "(", "a b.edp", 36, ")",
+        "caseParticles")
     assert said.given == [message.TEXT, message.REAL] and said.choices == [[message.TEXT, "a real[int]"]]
 
 
-@pytest.mark.parametrize("first, second, away", [("mu", "mu", 0), ("rhofluid", "rhoFluid", 0.5), ("caseParticels", "caseParticles", 1), ("size", "sizes", 1), ("abc", "xyz", 3)])
+@pytest.mark.parametrize("first, second, away", [("mu", "mu", 0), ("rhofluid", "rhoFluid", 0.5), ("caseParticels", "caseParticles",
+    1), ("size", "sizes", 1), ("abc", "xyz", 3)])
 def test_distance_of_words(first, second, away):
     assert project.distance(first, second) == project.distance(second, first) == away
 
 
 def test_what_a_driver_needs_is_read_from_its_cases():
-    assert {"rhoFluid", "mu", "flowNoSlip", "boundaryRamp", "caseParticles", "motionBound"} <= project.always("scripts/resolved.edp")
-    assert {Path(path).stem for path in project.drivers()} == {"contacts", "flow", "project_velocities", "resolved", "steady", "steady_laminar", "transport"}
+    assert {"rhoFluid", "mu", "flowNoSlip", "boundaryRamp", "caseParticles",
+        "motionBound"} <= project.always("scripts/resolved.edp")
+    assert {Path(path).stem for path in project.drivers()} == {"contacts", "flow", "project_velocities", "resolved", "steady",
+        "steady_laminar", "transport"}

@@ -131,7 +131,8 @@ def test_damaged_tables_are_named(tmp_path, name, old, new, words):
 ])
 def test_damaged_runs_of_contacts_are_named(tmp_path, name, old, new, words):
     folder = write_run(tmp_path / "run", steps=20)
-    write_csv(folder / "motion.csv", ["step", "t", "kinetic_energy", "potential_energy", "worst_gap"], [[k, 0.05 * k, 1, 0, 0] for k in range(21)])
+    write_csv(folder / "motion.csv", ["step", "t", "kinetic_energy", "potential_energy", "worst_gap"], [[k, 0.05 * k, 1, 0, 0]
+        for k in range(21)])
     write_csv(folder / "walls.csv", ["x1", "y1", "x2", "y2"], [[0, 0, 1, 0]])
     write_csv(folder / "contacts.csv", "t,i,j,gap,nx,ny,impulse".split(","), [[1, 0, 1, 0, 1, 0, 1e-4]])
     assert plot_contacts.main([str(folder), "--only", "energy"]) == 0
@@ -148,7 +149,8 @@ def test_the_reference_of_mesh_files_is_read(tmp_path):
 
 
 def test_fields_hold_the_velocity_at_all_its_nodes(freefem, tmp_path):
-    """Poiseuille's parabola on a mesh of a few elements across: linear functions on the mesh's own triangles miss it between vertices."""
+    """Poiseuille's parabola on a mesh of a few elements across: linear functions on the mesh's own triangles miss it between
+    vertices."""
     assert freefem("cases/poiseuille.edp", "-tend", "0.05", "-fields", "0.05", "-out", tmp_path / "run").returncode == 0
     run = RunFolder(tmp_path / "run")
     mesh, values = run.field(len(run.fields) - 1)

@@ -148,7 +148,8 @@ def test_overlaps_of_ellipses_of_known_depth(turn, depth):
     """Two that lie on each other, over a seam; one on a wall. The disks round them overlap in every case."""
     up, along = np.array([-np.sin(turn), np.cos(turn)]), np.array([np.cos(turn), np.sin(turn)])
     other = np.array([1.5, 0.2]) + (0.8 - 0.3 * depth) * up + [8.0, 0]
-    table = {"t": np.zeros(2), "id": np.array([0, 1]), "radius": np.array([1, 0.6]), "theta": np.full(2, turn), "x": np.array([1.5, other[0]]), "y": np.array([0.2, other[1]])}
+    table = {"t": np.zeros(2), "id": np.array([0, 1]), "radius": np.array([1, 0.6]), "theta": np.full(2, turn),
+        "x": np.array([1.5, other[0]]), "y": np.array([0.2, other[1]])}
     aspect = np.array([0.5, 0.5])
     assert pair_overlap(table, (4.0, 0.0), aspect)[0] == pytest.approx(max(depth, 0), abs=1e-4)
     assert pair_overlap(table, (4.0, 0.0))[0] > 0.5
@@ -160,7 +161,8 @@ def test_overlaps_of_ellipses_of_known_depth(turn, depth):
 
 def test_depths_at_the_tip_of_an_ellipse_are_in_semi_minor_axes():
     """A tip 0.05 semi-major axes deep in a wall, and in another tip; aspect 0.1."""
-    table = {"t": np.zeros(2), "id": np.array([0, 1]), "radius": np.ones(2), "theta": np.zeros(2), "x": np.array([0, 1.95]), "y": np.zeros(2)}
+    table = {"t": np.zeros(2), "id": np.array([0, 1]), "radius": np.ones(2), "theta": np.zeros(2), "x": np.array([0, 1.95]),
+        "y": np.zeros(2)}
     aspect = np.array([0.1, 0.1])
     assert pair_overlap(table, (0.0, 0.0), aspect)[0] == pytest.approx(0.5, rel=0.15)
     one = {name: values[:1] for name, values in table.items()}
@@ -168,11 +170,13 @@ def test_depths_at_the_tip_of_an_ellipse_are_in_semi_minor_axes():
 
 
 @settings(max_examples=60, deadline=None)
-@given(x=st.floats(-3, 3), y=st.floats(-3, 3), shift=st.integers(-3, 3), r=st.floats(0.05, 0.4), angle=st.floats(0, 6.28), depth=st.floats(-0.5, 0.5))
+@given(x=st.floats(-3, 3), y=st.floats(-3, 3), shift=st.integers(-3, 3), r=st.floats(0.05, 0.4), angle=st.floats(0, 6.28),
+    depth=st.floats(-0.5, 0.5))
 def test_overlaps_of_known_depth(x, y, shift, r, angle, depth):
     """Two disks a known gap apart, in a periodic box too; a disk and a wall in any direction."""
     reach = 2 * r - depth * r
-    table = {"t": np.zeros(2), "id": np.array([0, 1]), "radius": np.full(2, r), "x": np.array([x, x + reach * np.cos(angle) + 4 * shift]),
+    table = {"t": np.zeros(2), "id": np.array([0, 1]), "radius": np.full(2, r),
+        "x": np.array([x, x + reach * np.cos(angle) + 4 * shift]),
              "y": np.array([y, y + reach * np.sin(angle)])}
     assert pair_overlap(table, (4.0, 0.0))[0] == pytest.approx(max(depth, 0), abs=1e-9)
     normal, along = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
@@ -222,7 +226,8 @@ def test_every_map_builds_its_cells_under_names_of_their_own():
         for pair in grid + extra:
             cell = one.build(*pair)
             assert (ROOT / cell.script).is_file() and cell.checks is not None
-            assert not any(isinstance(value, Disks) and len(value.rows) and not np.isfinite(value.rows).all() for value in cell.options.values())
+            assert not any(isinstance(value, Disks) and len(value.rows) and not np.isfinite(value.rows).all()
+                for value in cell.options.values())
 
 
 LOOP = """
@@ -242,7 +247,8 @@ def toy(script, values):
     def build(x, y):
         return Cell(str(script), {"-way": y, "-tall": x}, Checks({"fluid.kinetic_energy": 50}, 1.0),
                     lambda run: run.fluid["kinetic_energy"][-1:], (1.0, 0), 0.1)
-    return Map("toy", "A toy", Axis("energy", "J/m", values, values[:1]), Axis("way", "", [0, 1, 2], [0]), build, "energy 1 J/m within 10 %",
+    return Map("toy", "A toy", Axis("energy", "J/m", values, values[:1]), Axis("way", "", [0, 1, 2], [0]), build,
+        "energy 1 J/m within 10 %",
                {"stopped": "another way", "stable": "less"}, (1.0, 0))
 
 
@@ -306,7 +312,8 @@ def test_a_record_cut_short_is_run_again(tmp_path):
 def test_meshes_are_made_by_two_threads_at_a_time(tmp_path):
     """gmsh ends the process when two threads use it at once; hence in a process of its own."""
     script = ("import sys, concurrent.futures as c; from tools.stress.cells import Mesh; pool = c.ThreadPoolExecutor(2);"
-              "print(len(list(pool.map(lambda h: Mesh(('pipe_obstacles', '--size', h)).make(sys.argv[1]), [0.03, 0.028, 0.032, 0.026]))))")
+              "print(len(list(pool.map(lambda h: Mesh(('pipe_obstacles', '--size', h)).make(sys.argv[1]), [0.03, 0.028, 0.032, "
+                  "0.026]))))")
     done = subprocess.run([sys.executable, "-c", script, str(tmp_path)], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0 and done.stdout.split()[-1] == "4", done.stderr
     assert len(list(tmp_path.glob("*.mesh"))) == 4
@@ -380,7 +387,8 @@ def budget(kinetic, work, dissipated):
     (1.0, budget([0.9, 0.8, 0.5], [0, 0.1, 0.1], [0.1, 0.3, 0.6]), ""),
     (1.0, budget([0.9, 1.2, 0.5], [0, 0.1, 0.1], [0.1, 0.3, 0.6]), "exceeds work and energy at the start by 0.091"),
     (1.0, budget([0.9, 0.1, 0.5], [0, 0.0, 0.0], [0.1, 0.3, 0.4]), "gains 0.4 of work"),
-    (0.0, budget([0.5, 1.0, 0.5], [0.6, 1.5, 2.0], [0.0, 1.0, 2.1]), "kinetic energy and dissipation exceed work and energy at the start by 0.3"),
+    (0.0, budget([0.5, 1.0, 0.5], [0.6, 1.5, 2.0], [0.0, 1.0, 2.1]), "kinetic energy and dissipation exceed work and energy at "
+        "the start by 0.3"),
     (None, {}, "")])
 def test_energy_that_nothing_supplied_is_told_from_a_budget(start, table, words):
     said = created({"budget": table}, start)

@@ -94,7 +94,8 @@ def test_a_study_finds_order_and_limit_and_resumes(case, tmp_path, capsys):
     assert "(done before)" not in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("words, sizes", [(["--cells", "4", "8", "12"], [1 / 4, 1 / 8, 1 / 12]), (["--meshsize", "0.3", "0.2", "0.1", "--by", "size"], [0.3, 0.2, 0.1])])
+@pytest.mark.parametrize("words, sizes", [(["--cells", "4", "8", "12"], [1 / 4, 1 / 8, 1 / 12]),
+    (["--meshsize", "0.3", "0.2", "0.1", "--by", "size"], [0.3, 0.2, 0.1])])
 def test_a_study_of_a_steady_flow_takes_numbers_of_its_results(tmp_path, capsys, words, sizes):
     """On meshes that the case makes itself, by its cells or its size."""
     script = tmp_path / "steady.edp"
@@ -114,13 +115,15 @@ def test_the_figure_of_a_study_names_the_unit_of_its_sizes(tmp_path, monkeypatch
     study_figure.draw_study(one, made_up_records((1.4, 1.2, 1.15), write_run(tmp_path / "run")), "q", 1.1, 0.1)
     sizes, times = figures[0].axes
     names = [text.get_text() for text in times.get_legend().get_texts()]
-    assert sizes.get_xlabel() == f"element size ({unit})" and ("element size 0.25 m" if by is None else "element size 0.25") in names
+    assert sizes.get_xlabel() == f"element size ({unit})" and ("element size 0.25 m" if by is None
+        else "element size 0.25") in names
 
 
 def test_a_number_that_a_steady_flow_has_not_is_told_with_those_it_has(tmp_path):
     (tmp_path / "run.json").write_text("{}")
     one = quantities.parse("result:lift", quantities.load())
-    for text, says in (("quantity,value,unit\ndrag,5.5,\nloss,2,Pa\n", "has no lift; it has drag, loss"), ("quantity,value,unit\nlift,5.5", "no end"), ("quantity,value,unit\nlift,nan,\n", "is nan"),
+    for text, says in (("quantity,value,unit\ndrag,5.5,\nloss,2,Pa\n", "has no lift; it has drag, loss"),
+        ("quantity,value,unit\nlift,5.5", "no end"), ("quantity,value,unit\nlift,nan,\n", "is nan"),
                        ("", "cannot read"), ("quantity,value\nlift,five\n", "five")):
         (tmp_path / "results.csv").write_text(text)
         value, why = quantities.evaluate(one, RunFolder(tmp_path))
@@ -139,7 +142,8 @@ def test_what_a_run_depends_on_holds_the_contents_of_its_inputs(case, tmp_path):
     assert keys[0] != keys[1] == fingerprint(str(case), {"-particles": str(file), "-model": "laminar"})
 
 
-@pytest.mark.parametrize("line", ['optDefault("-mesh", "{}");', 'string meshFile = optFile("-mesh", "{}", "mesh");', 'macro caseCarrier() steadyCarrier(flowFolder, "{}", flowWords) // EOM'])
+@pytest.mark.parametrize("line", ['optDefault("-mesh", "{}");', 'string meshFile = optFile("-mesh", "{}", "mesh");',
+    'macro caseCarrier() steadyCarrier(flowFolder, "{}", flowWords) // EOM'])
 def test_what_a_run_depends_on_holds_the_files_that_its_case_names(case, tmp_path, line):
     """Its mesh of default, the case that computes the flow it takes over."""
     named, keys = tmp_path / ("flow.edp" if "steady" in line else "own.mesh"), []
@@ -218,11 +222,13 @@ def test_quantities_of_ones_own(case, tmp_path):
 
 
 def made_up_records(values, folder):
-    return [{"asked": h, "meshsize": h, "dt": None, "cpu_s": 1 / h, "status": 0, "reason": "", "run": str(folder), "values": {"q": (value, "")}}
+    return [{"asked": h, "meshsize": h, "dt": None, "cpu_s": 1 / h, "status": 0, "reason": "", "run": str(folder),
+        "values": {"q": (value, "")}}
             for h, value in zip((1, 0.5, 0.25), values)]
 
 
-@pytest.mark.parametrize("values, words, drawn", [((1.0, 1.15, 1.1), "the finest run", 2), ((1.4, 1.2, 1.15), "the extrapolated value", 3)])
+@pytest.mark.parametrize("values, words, drawn", [((1.0, 1.15, 1.1), "the finest run", 2),
+    ((1.4, 1.2, 1.15), "the extrapolated value", 3)])
 def test_without_extrapolation_errors_are_differences_to_the_finest_run(tmp_path, monkeypatch, values, words, drawn):
     """Its own is not 0 but unknown: it stands neither in the lines, nor in the table, nor in the figure."""
     one = study.Study("cases/made_up.edp", [1, 0.5, 0.25], [None], ["q"], out=tmp_path)
@@ -239,13 +245,16 @@ def test_without_extrapolation_errors_are_differences_to_the_finest_run(tmp_path
     monkeypatch.setattr(study_figure, "save", lambda figure, path: figures.append(figure))
     study_figure.draw_study(one, records, "q", references["q"], 0.6)
     assert words in figures[0].get_suptitle() and len(figures[0].axes[0].lines[0].get_xdata()) == drawn
-    assert ("uncertainty of the finest run" in [text.get_text() for text in figures[0].axes[0].get_legend().get_texts()]) == (drawn == 2)
+    assert ("uncertainty of the finest run" in [text.get_text()
+        for text in figures[0].axes[0].get_legend().get_texts()]) == (drawn == 2)
 
 
 def test_steps_that_cfl_made_smaller_have_no_order(tmp_path):
-    assert study.made_smaller(13, 0.5, 0.04) == 0 == study.made_smaller(9, 0.5, None) and study.made_smaller(51, 0.5, 0.04) == pytest.approx(0.5 / 51)
+    assert study.made_smaller(13, 0.5, 0.04) == 0 == study.made_smaller(9, 0.5, None) and study.made_smaller(51, 0.5,
+        0.04) == pytest.approx(0.5 / 51)
     one = study.Study("cases/made_up.edp", [None], [0.04, 0.02, 0.01], ["q"], out=tmp_path)
-    records = [{"asked": None, "meshsize": None, "dt": dt, "mean_dt": mean, "vertices": 100, "cpu_s": 1, "status": 0, "reason": "", "run": "", "values": {"q": (1 + dt**2, "")}}
+    records = [{"asked": None, "meshsize": None, "dt": dt, "mean_dt": mean, "vertices": 100, "cpu_s": 1, "status": 0, "reason": "",
+        "run": "", "values": {"q": (1 + dt**2, "")}}
                for dt, mean in ((0.04, 0.011), (0.02, 0.0), (0.01, 0.0))]
     said = "\n".join(study_report.report(one, records, study.references_of(one, records)))
     assert "0.011 s in the mean instead of 0.04" in said and "two sizes" in said and "observed order 2" not in said
@@ -263,7 +272,8 @@ def test_meshes_that_do_not_grow_as_their_sizes_say_are_told(counts, told):
 
 def test_sizes_of_uniform_meshes_are_those_of_their_cells(case, tmp_path, capsys):
     """11, 17 and 22 cells along the side of the box: 1/0.06 is none."""
-    words = [str(case), "--quantity", "mean_v:0.3:0.4", "--dt", "0.1", "--recipe", "box --width 1 --height 1", "--out", str(tmp_path / "out")]
+    words = [str(case), "--quantity", "mean_v:0.3:0.4", "--dt", "0.1", "--recipe", "box --width 1 --height 1", "--out",
+        str(tmp_path / "out")]
     assert study.main([*words, "--meshsize", "0.09", "0.06", "0.045"]) == 0
     said = capsys.readouterr().out
     assert "0.0588235 for 0.06" in said and "observed order 2.00, limit -5.61 " in said
@@ -276,7 +286,8 @@ def test_a_mesh_that_is_not_uniform_keeps_the_size_asked_for(tmp_path):
     assert study.uniform_size(read_mesh(ROOT / "meshes" / "poiseuille.mesh")) == pytest.approx(1 / 8)
     graded = ROOT / "meshes" / "cavity.mesh"
     assert study.uniform_size(read_mesh(graded)) is None
-    assert study.true_sizes({0.1: graded, 0.3: ROOT / "meshes" / "poiseuille.mesh", 0.2: BadInput("none"), 0.4: graded.with_name("box.mesh")}) == {size: size for size in (0.1, 0.3, 0.2, 0.4)}
+    assert study.true_sizes({0.1: graded, 0.3: ROOT / "meshes" / "poiseuille.mesh", 0.2: BadInput("none"),
+        0.4: graded.with_name("box.mesh")}) == {size: size for size in (0.1, 0.3, 0.2, 0.4)}
     with pytest.raises(BadInput, match="0.1 and 0.2 make the same mesh"):
         study.true_sizes({0.1: graded, 0.2: graded})
 
@@ -287,10 +298,14 @@ def test_steps_that_differ_in_the_seventh_digit_have_runs_of_their_own():
 
 @pytest.mark.parametrize("words", [
     ["cases/nothing.edp", "--quantity", "mean_v"], ["CASE"], ["CASE", "--quantity", "nothing"],
-    ["CASE", "--quantity", "mean_v", "--meshsize", "-1"], *(["CASE", "--quantity", "mean_v", option, value] for option in ("--meshsize", "--dt") for value in ("0", "nan", "1e300", "1e-300")),
-    ["CASE", "--quantity", "mean_v", "--cells", "4", "--meshsize", "1"], ["CASE", "--quantity", "mean_v", "--by", "size"], ["CASE", "--quantity", "mean_v", "--cells", "0"], ["CASE", "--quantity", "mean_v", "--order", "1e3"],
-    ["CASE", "--quantity", "result"], ["CASE", "--quantity", "mean_v", "--cells", "4", "8", "--", "-cells", "6"], ["CASE", "--quantity", "mean_v", "--dt", "fast"],
-    ["CASE", "--quantity", "mean_v", "--reference", "1", "2"], ["CASE", "--quantity", "mean_v", "--dt", "0.1", "0.1"], ["CASE", "--quantity", "mean_v", "--dt", "0.1", "0.1000000000000001"],
+    ["CASE", "--quantity", "mean_v", "--meshsize", "-1"], *(["CASE", "--quantity", "mean_v", option, value]
+        for option in ("--meshsize", "--dt") for value in ("0", "nan", "1e300", "1e-300")),
+    ["CASE", "--quantity", "mean_v", "--cells", "4", "--meshsize", "1"], ["CASE", "--quantity", "mean_v", "--by", "size"],
+        ["CASE", "--quantity", "mean_v", "--cells", "0"], ["CASE", "--quantity", "mean_v", "--order", "1e3"],
+    ["CASE", "--quantity", "result"], ["CASE", "--quantity", "mean_v", "--cells", "4", "8", "--", "-cells", "6"],
+        ["CASE", "--quantity", "mean_v", "--dt", "fast"],
+    ["CASE", "--quantity", "mean_v", "--reference", "1", "2"], ["CASE", "--quantity", "mean_v", "--dt", "0.1", "0.1"],
+        ["CASE", "--quantity", "mean_v", "--dt", "0.1", "0.1000000000000001"],
     ["CASE", "--quantity", "mean_v", "--", "-dt", "0.1"], ["CASE", "--quantity", "mean_v", "--", "mu"],
     ["CASE", "--quantity", "mean_v", "--quantities", "nothing.py"],
     ["CASE", "--quantity", "mean_v", "--meshsize", "0.1", "--recipe", "box --width '1"]])
@@ -313,7 +328,8 @@ def test_a_recipe_may_have_options_and_a_study_of_steps_a_mesh_of_its_own(case, 
     words = [str(case), "--quantity", "mean_v", "--out", str(tmp_path / "out"), "--dt", "0.1", "0.05"]
     assert study.main([*words, "--meshsize", "0.5", "--recipe", "box --sides named --width 1 --height 1"]) == 0
     made, = (tmp_path / "out" / "meshes").glob("*.mesh")
-    assert re.fullmatch("box_sides_named_width_1_height_1_[0-9a-f]{8}_0.5.mesh", made.name) and set(read_mesh(made).labels) == {11, 12, 13, 14}
+    assert re.fullmatch("box_sides_named_width_1_height_1_[0-9a-f]{8}_0.5.mesh", made.name) and set(read_mesh(made).labels) == {11,
+        12, 13, 14}
     before = rows_of(tmp_path / "out")
     assert study.main([*words, "--", "-mesh", str(made)]) == 0
     assert [row["value"] for row in rows_of(tmp_path / "out")] == [row["value"] for row in before]
@@ -355,7 +371,8 @@ def ended_by(number, words, folder):
     """Starts a tool whose case writes its process number to folder/pid, ends it by a signal;
     returns its status, what it said, and whether the case is still there."""
     process = subprocess.Popen([sys.executable, *words], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))  # tests in the background would have it ignored
+                               # tests in the background would have it ignored
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     until = time.monotonic() + 20
     while not (folder / "pid").is_file() and time.monotonic() < until:
         time.sleep(0.05)
@@ -365,11 +382,13 @@ def ended_by(number, words, folder):
     return process.returncode, said, left.is_file() and left.read_bytes() != b""  # empty: it has ended, nobody has asked how
 
 
-@pytest.mark.parametrize("number, status, line", [(signal.SIGINT, 130, "stopped by the keyboard\n"), (signal.SIGTERM, 143, "stopped by SIGTERM\n")])
+@pytest.mark.parametrize("number, status, line", [(signal.SIGINT, 130, "stopped by the keyboard\n"), (signal.SIGTERM, 143,
+    "stopped by SIGTERM\n")])
 def test_a_stopped_study_ends_its_runs_and_goes_on_later(case, tmp_path, number, status, line):
     """A signal stops a study at once; the run under way leaves no record and no process."""
     case.write_text(f'exec("cd {tmp_path} && echo $PPID > new && mv new pid; sleep 47"); exit(0);\n')
-    words = ["-m", "tools.study", str(case), "--dt", "0.1", "0.2", "--quantity", "final_y", "--jobs", "1", "--out", str(tmp_path / "out")]
+    words = ["-m", "tools.study", str(case), "--dt", "0.1", "0.2", "--quantity", "final_y", "--jobs", "1", "--out",
+        str(tmp_path / "out")]
     assert ended_by(number, words, tmp_path) == (status, line, False)
     assert not list((tmp_path / "out" / "runs").glob("*.json"))
 
@@ -398,4 +417,5 @@ def test_a_run_that_is_ended_while_it_starts_does_not_go_on(monkeypatch):
 
 def test_a_folder_that_freefem_takes_no_runs_in_is_refused_before_meshes_are_made(case, tmp_path):
     with pytest.raises(BadInput, match="holds signs other than"):
-        study.main([str(case), "--meshsize", "0.1", "--quantity", "final_y", "--out", str(tmp_path / "a b")], lambda *_: pytest.fail("made a mesh"))
+        study.main([str(case), "--meshsize", "0.1", "--quantity", "final_y", "--out", str(tmp_path / "a b")],
+            lambda *_: pytest.fail("made a mesh"))

@@ -10,8 +10,11 @@ from tools.stress import __main__ as stress
 from tools.study import study
 
 
-@pytest.mark.parametrize("tool, words", [(validate, ["poiseuille"]), (validate_steady, ["--only", "poiseuille"]), (validate_transport, ["drag"]), (bench, ["--parts", "transport"]), (stress, ["lattice"]),
-                                         (transport_table, []), (coupling_effect, []), (study, ["cases/poiseuille.edp", "--quantity", "mean_v"])], ids=lambda part: getattr(part, "__name__", ""))
+@pytest.mark.parametrize("tool, words", [(validate, ["poiseuille"]), (validate_steady, ["--only", "poiseuille"]),
+    (validate_transport, ["drag"]), (bench, ["--parts", "transport"]), (stress, ["lattice"]),
+                                         (transport_table, []), (coupling_effect, []),
+                                             (study, ["cases/poiseuille.edp", "--quantity", "mean_v"])],
+                                                 ids=lambda part: getattr(part, "__name__", ""))
 def test_a_folder_that_freefem_takes_no_runs_in_is_refused_before_anything_runs(tool, words, tmp_path):
     """Each run was a failed row of its own."""
     with pytest.raises(BadInput, match="a b' holds signs other than letters"):
@@ -26,7 +29,8 @@ def test_a_tool_names_itself(tool, capsys):
         with pytest.raises(SystemExit) as caught:
             tool.main(words)
         said, wrong = capsys.readouterr()
-        assert caught.value.code == status and (f"(python -m {tool.__name__} --help" in wrong and wrong.count("\n") == 1 if status else said.startswith(f"usage: python -m {tool.__name__} ") and "--out" in said)
+        assert caught.value.code == status and (f"(python -m {tool.__name__} --help" in wrong and wrong.count("\n") == 1
+            if status else said.startswith(f"usage: python -m {tool.__name__} ") and "--out" in said)
 
 
 @pytest.mark.parametrize("lost", ["CHOLMOD", None])
@@ -34,7 +38,8 @@ def test_the_doctor_sees_a_solver_that_freefem_lacks(lost, monkeypatch):
     """FreeFEM took UMFPACK for it, and the doctor said that all was well."""
     run_text, told = doctor.run_text, []
     text = (ROOT / "tools" / "setup" / "doctor.edp").read_text()
-    monkeypatch.setattr(doctor, "run_text", lambda words: run_text(words.replace('include "tools/setup/doctor.edp"', text.replace(f'solver = "{lost}"', 'solver = "LACKING"'))))
+    monkeypatch.setattr(doctor, "run_text", lambda words: run_text(words.replace('include "tools/setup/doctor.edp"',
+        text.replace(f'solver = "{lost}"', 'solver = "LACKING"'))))
     monkeypatch.setattr(doctor, "SOLVERS", ["UMFPACK", "CHOLMOD", "CG"])
     doctor.check_solvers(lambda good, words: told.append((good, words)))
     assert [words.split(":")[0] for good, words in told if not good] == ([f"solver {lost}"] if lost else []) and len(told) == 3

@@ -16,7 +16,8 @@ def carried(folder, diameters, status="finished", **parameters):
     (folder / "particles.csv").write_text("\n".join(["step,t,id,x,y,theta,u,v,omega,radius", *records]) + "\n")
     exits = [f"0.5,{k},1,0,2,0,{d / 2},2500,1" for k, d in enumerate(diameters)]
     (folder / "exits.csv").write_text("\n".join(["t,id,x,y,u,v,radius,density,outlet", *exits]) + "\n")
-    (folder / "run.json").write_text(json.dumps({"case": "pipe_transport", "status": status, "parameters": {f"-{name}": value for name, value in parameters.items()}}))
+    (folder / "run.json").write_text(json.dumps({"case": "pipe_transport", "status": status, "parameters": {f"-{name}": value
+        for name, value in parameters.items()}}))
     return RunFolder(folder)
 
 
@@ -28,7 +29,8 @@ def test_the_table_counts_every_particle_once(tmp_path):
 
 
 def test_fates_are_what_the_table_says(tmp_path):
-    """Tracks drawn by hand: of each particle its times, x (at the first and the last of them), y, a time with u < 0 and at which x, and its outlet (-1: still there)."""
+    """Tracks drawn by hand: of each particle its times, x (at the first and the last of them), y, a time with u < 0 and at which x,
+    and its outlet (-1: still there)."""
     tracks = {0: ((0, 1), (0.1, 0.9), 0, 0, 0, 1),  # carried through
               1: ((0, 2), (0.1, 0.2), 0, 0, 0, -1),  # before the diaphragm for two seconds
               2: ((1.2, 2), (0, 0.2), 0, 0, 0, -1),  # on its way
@@ -44,7 +46,8 @@ def test_fates_are_what_the_table_says(tmp_path):
                 x = first + (last - first) * (t - start) / (end - start)
                 u = -1 if back and where <= x and t < start + (end - start) * (where - first) / (last - first) + back - 1e-9 else 1
                 lines.append(f"0,{t},{one},{x},{y},0,{u},0,0,0.01")
-    left += [f"{end},{one},{last},{y},1,0,0.01,2500,{outlet}" for one, ((_, end), (_, last), y, _, _, outlet) in tracks.items() if outlet >= 0]
+    left += [f"{end},{one},{last},{y},1,0,0.01,2500,{outlet}" for one, ((_, end), (_, last), y, _, _, outlet) in tracks.items()
+        if outlet >= 0]
     for name, text in (("particles.csv", lines), ("exits.csv", left)):
         (tmp_path / name).write_text("\n".join(text) + "\n")
     (tmp_path / "run.json").write_text(json.dumps({"case": "pipe_transport", "status": "finished", "parameters": {}}))
@@ -83,7 +86,8 @@ def test_the_table_names_what_is_damaged(tmp_path, name, text, says):
 
 
 def test_the_table_is_of_one_scene(tmp_path, capsys):
-    first, same, other = (carried(tmp_path / name, [0.012, 0.028], **given) for name, given in (("a", {"seed": 1, "vmax": 2}), ("b", {"seed": 2, "vmax": 2}), ("c", {"seed": 3, "vmax": 1})))
+    first, same, other = (carried(tmp_path / name, [0.012, 0.028], **given) for name, given in (("a", {"seed": 1, "vmax": 2}),
+        ("b", {"seed": 2, "vmax": 2}), ("c", {"seed": 3, "vmax": 1})))
     assert len(table_of([first, same])) == 5
     with pytest.raises(BadInput, match=r"differ in -vmax \(2 and 1\)"):
         table_of([first, same, other])
@@ -94,7 +98,8 @@ def test_the_table_is_of_one_scene(tmp_path, capsys):
 
 def test_a_seed_counts_once_in_the_table(tmp_path):
     """Whatever the folders; another seed of the turbulence is another run."""
-    one, again, other = (carried(tmp_path / name, [0.012], **{"seed": 4, "turbulence-seed": turbulence}) for name, turbulence in (("a", 1), ("b", 1), ("c", 2)))
+    one, again, other = (carried(tmp_path / name, [0.012], **{"seed": 4, "turbulence-seed": turbulence}) for name,
+        turbulence in (("a", 1), ("b", 1), ("c", 2)))
     assert len(table_of([one, other])) == 5
     with pytest.raises(BadInput, match="both of -seed 4"):
         table_of([other, one, again])
@@ -102,7 +107,8 @@ def test_a_seed_counts_once_in_the_table(tmp_path):
 
 def test_a_table_that_is_refused_leaves_nothing(tmp_path):
     run = carried(tmp_path / "run", [0.012])
-    for words, says in ((["--runs", str(tmp_path / "none")], "no run folder"), (["--runs", str(run.folder), "-reynolds", "50"], "-reynolds is for runs that are made")):
+    for words, says in ((["--runs", str(tmp_path / "none")], "no run folder"), (["--runs", str(run.folder), "-reynolds", "50"],
+        "-reynolds is for runs that are made")):
         with pytest.raises(BadInput, match=says):
             transport_table([*words, "--out", str(tmp_path / "table")])
         assert not (tmp_path / "table").exists()

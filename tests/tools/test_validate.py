@@ -9,12 +9,14 @@ import pytest
 from tests.conftest import make_mesh, run_tool
 from tests.synthetic import ROOT, write_csv
 from tools.peers import spheres_exact as transport_exact
-from tools.validation import two_way as transport_two_way, main as validate, turbulence as validate_steady, spheres as validate_transport
+from tools.validation import (
+    two_way as transport_two_way, main as validate, turbulence as validate_steady, spheres as validate_transport)
 from tools import validation
 from tools.base.command import BadInput
 from tools.base.run_folder import RunFolder
 from tools.base.tables import read_table
-from tools.validation import Context, Failed, Run, discover, ellipse, judge, particles, settling_disk, sprung_cylinder, suspension, turbulence
+from tools.validation import (
+    Context, Failed, Run, discover, ellipse, judge, particles, settling_disk, sprung_cylinder, suspension, turbulence)
 
 
 def read_report(folder):
@@ -71,8 +73,10 @@ def test_a_run_that_fails_is_a_row_and_the_rest_goes_on(tmp_path):
 @pytest.mark.parametrize("measured,options,passed", [
     (1.01, {"rtol": 0.011}, True), (1.01, {"rtol": 0.009}, False), (1.01, {"atol": 0.02}, True), (3, {"at_most": 3}, True),
     (3, {"at_most": 2}, False), (3, {"at_least": 2}, True), (math.nan, {"rtol": 1}, False), (math.inf, {"at_most": 1}, False),
-    (2, {"between": (2, 3)}, True), (3, {"between": (2, 3)}, True), (1.99, {"between": (2, 3)}, False), (3.01, {"between": (2, 3)}, False), (math.nan, {"between": (0, 9)}, False),
-    (math.nan, {"at_most": 1}, False), (math.nan, {"at_least": 1}, False), (math.inf, {"at_least": 2}, False), (-math.inf, {"at_most": 1}, False)])
+    (2, {"between": (2, 3)}, True), (3, {"between": (2, 3)}, True), (1.99, {"between": (2, 3)}, False), (3.01, {"between": (2, 3)},
+        False), (math.nan, {"between": (0, 9)}, False),
+    (math.nan, {"at_most": 1}, False), (math.nan, {"at_least": 1}, False), (math.inf, {"at_least": 2}, False),
+        (-math.inf, {"at_most": 1}, False)])
 def test_judging(measured, options, passed):
     assert judge(1.0, measured, **options)[0] is passed
 
@@ -100,7 +104,8 @@ def test_steady_flows_have_one_judge(tmp_path, monkeypatch):
     assert [row["pass"] == "yes" for row in rows] == expected
     assert [row["quantity"] for row in rows] == ["a: residual", "a: loss", "a: drag", "fails: loss", "c: loss"]
     assert rows[2]["reason"] == "results.csv has no drag" and "not converged" in rows[3]["reason"] and rows[4]["allowed"] == "2.1 to 3"
-    validate_steady.RUNS.pop(0), validate_steady.RUNS.pop(0), validate_steady.RUNS.append(("d", "d.edp", {}, [("loss", "measured", 1.9, 2)]))
+    validate_steady.RUNS.pop(0), validate_steady.RUNS.pop(0), validate_steady.RUNS.append(("d", "d.edp", {},
+        [("loss", "measured", 1.9, 2)]))
     assert validate_steady.main(["--out", str(tmp_path), "--only", "d"]) == 0
     with pytest.raises(BadInput, match="no run has 'x' in its name: c, d"):
         validate_steady.main(["--only", "x"])
@@ -172,7 +177,8 @@ def test_discover_leaves_out_modules_without_a_list():
 
 @pytest.mark.parametrize("text, says", [
     ("a,b\n1,2\n", "it has no column cpu_s"),
-    ("disks,kind,solver,tolerance,cpu_s,search_s,memory_mb\n500,random,newton,tight,1,1,1\n", "could not convert string to float: 'tight'"),
+    ("disks,kind,solver,tolerance,cpu_s,search_s,memory_mb\n500,random,newton,tight,1,1,1\n", "could not convert string to "
+        "float: 'tight'"),
     ("disks,kind,solver,tolerance,cpu_s,search_s,memory_mb\n500,random,piqp,1e-8,1,,\n", "no row of the solver newton"),
 ])
 def test_the_benchmark_of_contacts_is_read_before_anything_is_computed(tmp_path, text, says):
@@ -198,9 +204,11 @@ def test_the_viscosity_of_one_disk_is_found(tmp_path):
 
 
 def test_swings_are_measured_over_whole_periods():
-    """A sine with an offset that grows in before, and one too short; the period kept of the body-fitted computation lies near its limit."""
+    """A sine with an offset that grows in before, and one too short; the period kept of the body-fitted computation lies near its
+    limit."""
     t = np.linspace(0, 20, 801)
-    found = sprung_cylinder.swings(t, 6 + 0.02 * np.sin(4 * np.pi * t / 6), 6 + 0.5 * np.minimum(1, t / 5) * np.sin(2 * np.pi * (t - 1) / 6))
+    found = sprung_cylinder.swings(t, 6 + 0.02 * np.sin(4 * np.pi * t / 6), 6 + 0.5 * np.minimum(1, t / 5)
+        * np.sin(2 * np.pi * (t - 1) / 6))
     assert found == pytest.approx((0.5, 1 / 6, 0.5), rel=2e-3)
     with pytest.raises(Failed, match="1 full periods instead of 2"):
         sprung_cylinder.swings(t[:400], t[:400], 6 + np.sin(2 * np.pi * t[:400] / 6 - 1))
@@ -211,7 +219,8 @@ def test_swings_are_measured_over_whole_periods():
 def test_the_body_fitted_cylinder_on_springs_goes_on_where_it_was_saved(freefem, tmp_path):
     """Its path in one run and in two, a step of first order apart."""
     script = ROOT / "tools" / "peers" / "body_fitted" / "sprung_cylinder.edp"
-    mesh = make_mesh(tmp_path / "coarse.mesh", "cylinder_channel", *"--length 20 --height 12 --radius 0.5 --centre 6 6 --size 1.5 --growth 0.5 --circle-points 16".split())
+    mesh = make_mesh(tmp_path / "coarse.mesh", "cylinder_channel",
+        *"--length 20 --height 12 --radius 0.5 --centre 6 6 --size 1.5 --growth 0.5 --circle-points 16".split())
     freefem(script, "-mesh", mesh, "-tend", 2.4, "-out", tmp_path / "whole.csv")
     freefem(script, "-mesh", mesh, "-tend", 1.2, "-save", tmp_path / "state")
     freefem(script, "-mesh", mesh, "-tend", 2.4, "-start", tmp_path / "state", "-out", tmp_path / "rest.csv")
@@ -291,7 +300,8 @@ def test_meshes_that_differ_in_an_option_have_files_of_their_own(tmp_path, monke
     """run.json of the first of three runs named the mesh of the last."""
     monkeypatch.setattr(validation, "make_mesh", lambda words, path, limit: path)
     context = Context("particles", tmp_path)
-    made = [context.mesh("couette_disk", 0.03125, "--length", length) for length in ("1", "4", "8")] + [context.mesh("couette_disk", 0.03125)]
+    made = [context.mesh("couette_disk", 0.03125, "--length", length) for length in ("1", "4",
+        "8")] + [context.mesh("couette_disk", 0.03125)]
     assert len(set(made)) == 4 and made[-1] == tmp_path / "meshes" / "couette_disk_0.03125.mesh"
 
 

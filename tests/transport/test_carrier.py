@@ -99,9 +99,11 @@ include "scripts/transport.edp"
 
 
 def test_a_flow_on_a_mesh_goes_on_over_the_seam_of_a_period(freefem_text, tmp_path):
-    """Who went over the seam stood outside the mesh and was taken out; now as in the same flow by a formula, for three periods along both."""
+    """Who went over the seam stood outside the mesh and was taken out; now as in the same flow by a formula, for three periods
+    along both."""
     flows = {"mesh": "macro caseCarrier() carrierWh u = 1 + 0.5*sin(2*pi*x), v = -0.8; carrierFlow(u[], v[]); // EOM",
-             "formula": 'macro carrierExact(px, py, t) carrierU = (2*pi)*px; carrierUX = cos(carrierU); carrierUX *= pi; carrierU = sin(carrierU); carrierU *= 0.5; carrierU += 1.; carrierV = -0.8; // EOM'}
+             "formula": 'macro carrierExact(px, py, t) carrierU = (2*pi)*px; carrierUX = cos(carrierU); carrierUX *= pi; '
+                 'carrierU = sin(carrierU); carrierU *= 0.5; carrierU += 1.; carrierV = -0.8; // EOM'}
     found = {}
     for name, flow in flows.items():
         text = PERIODIC.format(flow=flow)

@@ -36,22 +36,27 @@ def test_small_spheres_are_not_lost_at_a_wall(dt, freefem_text, tmp_path):
 
 
 def test_who_leaves_is_counted_once_by_the_outlet_or_lost(freefem_text, tmp_path):
-    """Of 41 spheres between x = 0.02 and 0.82 those beyond 0.615 have left through the outlet in the first step, the others are lost below the bottom in time; those that enter later are told of once."""
+    """Of 41 spheres between x = 0.02 and 0.82 those beyond 0.615 have left through the outlet in the first step, the others are
+    lost below the bottom in time; those that enter later are told of once."""
     more = 'macro caseBound() 0.615 // EOM\nmacro caseParticles() { queueAt(0.3, 0.5, 2e-4, 2500, 0.02); queueAt(0.4, 0.5, 2e-4, 2500, 0.03);'
     text = THROWN.replace("[labelBottom]", "[labelTop]").replace("macro caseParticles() {", more)
     freefem_text(text, "-dt", 0.002, "-tend", 0.05, "-drag", "stokes", "-lift", 0, "-every", 0, "-out", tmp_path / "run")
-    gone, steps, entered = records(tmp_path / "run/exits.csv"), read_table(tmp_path / "run/steps.csv"), records(tmp_path / "run/entries.csv")
+    gone, steps, entered = records(tmp_path / "run/exits.csv"), read_table(tmp_path / "run/steps.csv"), records(tmp_path
+        / "run/entries.csv")
     through = [row for row in gone if row["outlet"] == "1"]
     assert len(through) == 11 and all(float(row["t"]) == 0.002 and float(row["x"]) > 0.615 for row in through)
     assert [int(row["id"]) for row in through] == list(range(30, 41)) and sorted(int(row["id"]) for row in gone) == list(range(41))
     for name, outlet in (("left", "1"), ("lost", "0")):
-        assert steps[name].tolist() == [sum(row["outlet"] == outlet and float(row["t"]) <= t + 1e-9 for row in gone) for t in steps["t"]]
-    assert [int(row["id"]) for row in entered] == list(range(43)) and [float(row["t"]) for row in entered[-2:]] == pytest.approx([0.02, 0.03])
+        assert steps[name].tolist() == [sum(row["outlet"] == outlet and float(row["t"]) <= t + 1e-9 for row in gone)
+            for t in steps["t"]]
+    assert [int(row["id"]) for row in entered] == list(range(43)) and [float(row["t"])
+        for row in entered[-2:]] == pytest.approx([0.02, 0.03])
     assert (steps["particles"] + steps["waiting"] + steps["left"] + steps["lost"]).tolist() == [43] * len(steps["t"])
 
 
 def test_a_sphere_beyond_the_mesh_is_taken_out(freefem_text, tmp_path):
-    freefem_text(THROWN.replace("[labelBottom]", "[labelTop]"), "-dt", 0.002, "-tend", 0.05, "-drag", "stokes", "-lift", 0, "-out", tmp_path / "run")
+    freefem_text(THROWN.replace("[labelBottom]", "[labelTop]"), "-dt", 0.002, "-tend", 0.05, "-drag", "stokes", "-lift", 0, "-out",
+        tmp_path / "run")
     gone = records(tmp_path / "run/exits.csv")
     assert len(gone) == 41 and all(float(row["y"]) < 0 and row["outlet"] == "0" for row in gone)
 
@@ -86,7 +91,8 @@ def test_overlaps_at_the_start_are_refused_or_pushed_apart(freefem_text, tmp_pat
 def test_waiting_particles_that_would_enter_outside_the_mesh_are_refused(freefem_text, tmp_path):
     """They came in and were lost a step later."""
     queue = "queueAdd(0., 0.005, 2500, 0); queueAdd(5., 0.005, 2500, 0.01);"
-    done = freefem_text(PAIR.format(flow=UNIFORM, particles=queue), "-mesh", ROOT / "meshes/pipe_obstacles.mesh", "-dt", 0.01, "-tend", 0.05, "-out", tmp_path / "run", check=False)
+    done = freefem_text(PAIR.format(flow=UNIFORM, particles=queue), "-mesh", ROOT / "meshes/pipe_obstacles.mesh", "-dt", 0.01,
+        "-tend", 0.05, "-out", tmp_path / "run", check=False)
     assert done.returncode == 5 and "the waiting particle 1 (the first is 0) stands outside the mesh" in done.stderr and "1 particle stands outside" in done.stderr
 
 
@@ -94,10 +100,12 @@ def test_a_particle_is_let_go_at_a_place(freefem_text, tmp_path):
     """With the velocity of the fluid there, when it is due; one behind the outlet is refused."""
     for x, status in ((0.5, 0), (1.5, 5)):
         text = PAIR.format(flow=UNIFORM, particles=f"queueAt({x}, 0.01, 0.005, 2500, 0.02);")
-        done = freefem_text(text, "-mesh", ROOT / "meshes/pipe_obstacles.mesh", "-dt", 0.01, "-tend", 0.04, "-every", 0, "-out", tmp_path / f"run{x}", check=False)
+        done = freefem_text(text, "-mesh", ROOT / "meshes/pipe_obstacles.mesh", "-dt", 0.01, "-tend", 0.04, "-every", 0, "-out",
+            tmp_path / f"run{x}", check=False)
         assert done.returncode == status, done.stderr
     first = records(tmp_path / "run0.5" / "particles.csv")[0]
-    assert 0.02 <= float(first["t"]) < 0.0301 and abs(float(first["x"]) - 0.5) <= float(first["u"]) * 0.0101 and abs(float(first["y"]) - 0.01) < 1e-3
+    assert 0.02 <= float(first["t"]) < 0.0301 and abs(float(first["x"])
+        - 0.5) <= float(first["u"]) * 0.0101 and abs(float(first["y"]) - 0.01) < 1e-3
 
 
 def test_an_ellipse_that_waits_is_refused(freefem_text, tmp_path):
@@ -122,7 +130,8 @@ include "scripts/transport.edp"
 def test_who_enters_spins_as_the_flow_does(freefem_text, tmp_path):
     """Shear of 2: half of the vorticity is -1."""
     shear = "carrierU = 2.*py; carrierV = 0.; carrierUX = 0.; carrierUY = 2.; carrierVX = 0.; carrierVY = 0.; carrierUT = 0.; carrierVT = 0.;"
-    records = in_formula(freefem_text, tmp_path / "run", shear, "queueAt(0, 1, 0.01, 2500, 0);", "-magnus", 1, "-dt", 0.001, "-tend", 0.01, "-every", 0.001)
+    records = in_formula(freefem_text, tmp_path / "run", shear, "queueAt(0, 1, 0.01, 2500, 0);", "-magnus", 1, "-dt", 0.001,
+        "-tend", 0.01, "-every", 0.001)
     np.testing.assert_allclose(records["omega"], -1, atol=1e-9)
 
 
@@ -130,10 +139,12 @@ def test_a_flow_without_k_and_epsilon_has_no_fluctuations(freefem_text, freefem_
     """They were 0, without a word."""
     words = ["-mesh", ROOT / "meshes/pipe_obstacles.mesh", "-dt", 0.01, "-tend", 0.02, "-out", tmp_path / "run"]
     freefem_text(PAIR.format(flow=UNIFORM, particles="queueAt(0.5, 0.01, 0.005, 2500, 0);"), *words)
-    assert "no k and epsilon" in freefem_refused(3, tmp_path / "script.edp", *words[:-1], tmp_path / "other", "-turbulence", "fluctuation")
+    assert "no k and epsilon" in freefem_refused(3, tmp_path / "script.edp", *words[:-1], tmp_path / "other", "-turbulence",
+        "fluctuation")
 
 
-@pytest.mark.parametrize("old, new, says", [("mu = 1e-3", "mu = 0", "has density 1000 and viscosity 0"), ("rhoFluid = 1000", "rhoFluid = -1", "has density -1 and"),
+@pytest.mark.parametrize("old, new, says", [("mu = 1e-3", "mu = 0", "has density 1000 and viscosity 0"), ("rhoFluid = 1000",
+    "rhoFluid = -1", "has density -1 and"),
                                             ("gravityY = 0", "gravityY = 1e300*1e300", "gravityY inf; both must be numbers")])
 def test_a_fluid_without_density_or_viscosity_and_gravity_that_is_no_number_are_refused(old, new, says, freefem_text, tmp_path):
     """Without viscosity the run ended with status 8, with a density below 0 it went on."""

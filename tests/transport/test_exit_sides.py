@@ -1,4 +1,5 @@
-"""Sides of the mesh: which are walls for point particles when the case does not say, and what is said of particles that leave elsewhere than at an outlet."""
+"""Sides of the mesh: which are walls for point particles when the case does not say, and what is said of particles that leave
+elsewhere than at an outlet."""
 import pytest
 
 from tests.conftest import make_mesh
@@ -41,12 +42,14 @@ def test_walls_of_the_mesh_are_walls_unless_the_case_says_otherwise(channel, fre
     assert last["y"].min() >= 0.01 - 1e-9 and (last["y"][-3:] < 0.4).any()
 
 
-@pytest.mark.parametrize("more, words, ends", [("macro caseWallLabels() [-1] // EOM", [], "caseWallLabels lists the sides that are walls"), ("", ["-contacts", 0], "without contacts (-contacts 0) no side is a wall")])
+@pytest.mark.parametrize("more, words, ends", [("macro caseWallLabels() [-1] // EOM", [], "caseWallLabels lists the sides that "
+    "are walls"), ("", ["-contacts", 0], "without contacts (-contacts 0) no side is a wall")])
 def test_particles_that_leave_through_walls_are_counted_at_the_end(more, words, ends, channel, freefem_text, tmp_path):
     done = freefem_text(scene(more=more), "-mesh", channel, "-tend", 1, *words, "-out", tmp_path / "run")
     rows, said = read_table(tmp_path / "run" / "exits.csv"), warnings(done)
     assert len(rows["t"]) == 2 and len(said) == 1
-    assert said[0].startswith(f"warning: 2 particles left the mesh elsewhere than at an outlet, the first (0) at t = {rows['t'][0]:.6g} s at ({rows['x'][0]:.6g}, {rows['y'][0]:.6g}) m through the side with label 3 (wall)")
+    assert said[0].startswith(f"warning: 2 particles left the mesh elsewhere than at an outlet, the first (0) at t = "
+        f"{rows['t'][0]:.6g} s at ({rows['x'][0]:.6g}, {rows['y'][0]:.6g}) m through the side with label 3 (wall)")
     assert said[0].endswith(ends)
 
 

@@ -29,14 +29,16 @@ def test_the_time_of_the_fluctuations_is_their_constant_times_k_over_epsilon(fre
 def test_the_fluctuations_of_a_particle_do_not_depend_on_who_else_is_there(freefem, tmp_path):
     found = []
     for number in (3, 5):
-        freefem(ANALYTIC, "-out", tmp_path / str(number), "-turbulence", "fluctuation", "-sigma", 0.1, "-number", number, "-tend", 0.05, "-dt", 0.01)
+        freefem(ANALYTIC, "-out", tmp_path / str(number), "-turbulence", "fluctuation", "-sigma", 0.1, "-number", number, "-tend",
+            0.05, "-dt", 0.01)
         found.append([row for row in records(tmp_path / str(number) / "particles.csv") if int(row["id"]) < 3])
     assert found[0] == found[1]
     assert len({row["u"] for row in found[0] if row["t"] == found[0][-1]["t"]}) == 3
 
 
 def test_the_paper_s_turbulent_force_acts_across_the_flow(freefem, run_folder):
-    freefem(ANALYTIC, "-out", run_folder, "-flow", "uniform", "-speed", 2, "-start-u", 2, "-turbulence", "paper", "-sigma", 0.2, "-buoyancy", 0,
+    freefem(ANALYTIC, "-out", run_folder, "-flow", "uniform", "-speed", 2, "-start-u", 2, "-turbulence", "paper", "-sigma", 0.2,
+        "-buoyancy", 0,
             "-number", 200, "-tend", 0.05, "-dt", 0.01)
     table = [row for row in records(run_folder / "particles.csv") if float(row["t"]) > 0.045]
     assert np.std([float(row["v"]) for row in table]) > 1e-3
@@ -44,15 +46,18 @@ def test_the_paper_s_turbulent_force_acts_across_the_flow(freefem, run_folder):
 
 
 def test_the_paper_s_turbulent_force_is_its_formula(freefem, tmp_path):
-    """F = (1/2) rho_f pi R^2 C U_f u'_y to the left of the flow: frozen fluctuations, which the spheres that follow the fluid show, and hardly any other force."""
-    words = ["-number", 50, "-sigma", 0.2, "-decay", 1e-9, "-turbulence-seed", 7, "-buoyancy", 0, "-added-mass", 0, "-fluid-acceleration", 0, "-lift", 0, "-magnus", 0, "-history", 0]
+    """F = (1/2) rho_f pi R^2 C U_f u'_y to the left of the flow: frozen fluctuations, which the spheres that follow the fluid show,
+    and hardly any other force."""
+    words = ["-number", 50, "-sigma", 0.2, "-decay", 1e-9, "-turbulence-seed", 7, "-buoyancy", 0, "-added-mass", 0,
+        "-fluid-acceleration", 0, "-lift", 0, "-magnus", 0, "-history", 0]
     def end(name, *more):
         freefem(ANALYTIC, "-out", tmp_path / name, *words, *more)
         table = records(tmp_path / name / "particles.csv")
         return np.array([[float(row["u"]), float(row["v"])] for row in table if row["t"] == table[-1]["t"]])
     fluctuation = end("tracers", "-turbulence", "fluctuation", "-mu", 1e5, "-drag", "stokes", "-tend", 0.002, "-dt", 0.001)[:, 1]
     assert np.std(fluctuation) == pytest.approx(0.2, rel=0.25)
-    paper = ["-turbulence", "paper", "-turbulence-coefficient", 3, "-mu", 1e-9, "-drag", "stokes", "-radius", 0.002, "-tend", 0.01, "-dt", 0.001]
+    paper = ["-turbulence", "paper", "-turbulence-coefficient", 3, "-mu", 1e-9, "-drag", "stokes", "-radius", 0.002, "-tend", 0.01,
+        "-dt", 0.001]
     force = 0.5 * 1000 * np.pi * 0.002**2 * 3 * fluctuation
     mass = 2500 * 4 / 3 * np.pi * 0.002**3
     along = end("along", "-flow", "uniform", "-speed", 2, "-start-u", 2, *paper)
@@ -63,10 +68,12 @@ def test_the_paper_s_turbulent_force_is_its_formula(freefem, tmp_path):
 
 @pytest.mark.parametrize("paper", [False, True])
 def test_the_drift_of_the_fluctuations_is_that_of_a_well_mixed_fluid(paper, freefem, tmp_path):
-    """With the same random numbers, with and without it: w gains T grad(sigma)/(1 + tau/T) (1 - exp(-t/T)), its mean over a step of dt = a T that times 1 - (1 - exp(-a))/a.
+    """With the same random numbers, with and without it: w gains T grad(sigma)/(1 + tau/T) (1 - exp(-t/T)), its mean over a step of
+    dt = a T that times 1 - (1 - exp(-a))/a.
     Tracers show it by their places; of spheres of a response time tau = T the paper's force does, across the flow."""
     dt, T, sigma, slope, radius = 0.2, 0.3, 0.2, 0.5, 0.001
-    words = ["-number", 9, "-start-y", 0.4, "-spread", 1, "-sigma", sigma, "-sigma-slope", slope, "-drag", "stokes", "-radius", radius, "-buoyancy", 0, "-added-mass", 0, "-lift", 0, "-tend", dt, "-dt", dt]
+    words = ["-number", 9, "-start-y", 0.4, "-spread", 1, "-sigma", sigma, "-sigma-slope", slope, "-drag", "stokes", "-radius",
+        radius, "-buoyancy", 0, "-added-mass", 0, "-lift", 0, "-tend", dt, "-dt", dt]
     if paper:
         words += ["-turbulence", "paper", "-flow", "uniform", "-speed", 2, "-start-u", 2, "-mu", 2500 * 2 / 9 * radius**2 / T]
     else:
@@ -87,9 +94,11 @@ def test_the_drift_of_the_fluctuations_is_that_of_a_well_mixed_fluid(paper, free
 
 @pytest.mark.parametrize("ratio", [0.1, 1, 4])
 def test_spreading_does_not_hang_on_the_step(ratio, freefem, run_folder):
-    """Displacements of 5,000 tracers after 12 Lagrangian times against Taylor (1921), their velocities against sigma: within 3.5 standard errors."""
+    """Displacements of 5,000 tracers after 12 Lagrangian times against Taylor (1921), their velocities against sigma: within 3.5
+    standard errors."""
     sigma, lagrangian, n = 0.1, 0.3, 5000
-    freefem(ANALYTIC, "-out", run_folder, "-turbulence", "fluctuation", "-sigma", sigma, "-decay", 1, "-density", 1000, "-radius", 1e-5, "-drag", "stokes",
+    freefem(ANALYTIC, "-out", run_folder, "-turbulence", "fluctuation", "-sigma", sigma, "-decay", 1, "-density", 1000, "-radius",
+        1e-5, "-drag", "stokes",
             "-gravity", 0, "-lift", 0, "-number", n, "-tend", 12*lagrangian, "-dt", ratio*lagrangian, "-every", 12*lagrangian)
     last = records(run_folder / "particles.csv")[-n:]
     for names, variance in (("xy", exact.dispersion(12*lagrangian, sigma, lagrangian)), ("uv", sigma**2)):
@@ -99,12 +108,14 @@ def test_spreading_does_not_hang_on_the_step(ratio, freefem, run_folder):
 
 @pytest.mark.parametrize("slowness, ratio", [(0.3, 1), (3, 16)])
 def test_velocities_of_inertial_spheres_in_turbulence_do_not_hang_on_the_step(slowness, ratio, freefem, run_folder):
-    """Spheres at rest at first, of a response time of so many Lagrangian times; steps of `ratio` of these. They were 3.3 % slow, 33 % fast."""
+    """Spheres at rest at first, of a response time of so many Lagrangian times; steps of `ratio` of these. They were 3.3 % slow, 33
+    % fast."""
     sigma, lagrangian, n = 0.1, 0.3, 8000
     tau = slowness * lagrangian
     dt = ratio * lagrangian
     end = dt * np.ceil(4 * (lagrangian + tau) / dt)
-    freefem(ANALYTIC, "-out", run_folder, "-turbulence", "fluctuation", "-sigma", sigma, "-decay", 1, "-radius", np.sqrt(4.5e-3 * tau / 2500), "-added-mass", 0, "-drag", "stokes",
+    freefem(ANALYTIC, "-out", run_folder, "-turbulence", "fluctuation", "-sigma", sigma, "-decay", 1, "-radius",
+        np.sqrt(4.5e-3 * tau / 2500), "-added-mass", 0, "-drag", "stokes",
             "-gravity", 0, "-lift", 0, "-number", n, "-tend", end, "-dt", dt, "-every", end)
     last = read_table(run_folder / "particles.csv")
     last = {name: last[name][-n:] for name in "xyuv"}
@@ -159,7 +170,8 @@ def test_the_fluctuations_of_a_particle_do_not_depend_on_who_has_left(freefem_te
     flow = "carrierU = 1.; carrierV = 0.; carrierSigma = 0.1; carrierRate = 1."
     bodies = "real[int] x0 = [0.03], y0 = [0.], r = [1e-4], d = [2500.], u0 = [1.], z = [0.]; transportAppend(x0, y0, r, d, u0, z, z); queueAt(0, 0.5, 1e-4, 2500, 0.01); queueAt(0, 0.2, 1e-4, 2500, 0.1);"
     words = ["-turbulence", "fluctuation", "-drag", "stokes", "-dt", 0.01, "-tend", 0.14, "-every", 0.01]
-    one, other = (in_formula(freefem_text, tmp_path / name, flow + "; // EOM\nmacro caseBound() " + bound, bodies, *words) for name, bound in (("left", "0.05"), ("there", "10.")))
+    one, other = (in_formula(freefem_text, tmp_path / name, flow + "; // EOM\nmacro caseBound() " + bound, bodies, *words)
+        for name, bound in (("left", "0.05"), ("there", "10.")))
     assert one["t"][one["id"] == 0].max() < 0.04 < 0.1 < other["t"][other["id"] == 0].max()
     for number in (1, 2):
         first = np.column_stack([one[name][one["id"] == number] for name in ("t", "x", "y", "u", "v")])

@@ -20,7 +20,8 @@ def test_force_alone_at_length(name, tmp_path):
 
 
 def run(freefem, folder, *words, **options):
-    return freefem("tests/transport/scripts/analytic.edp", "-out", folder, "-overwrite", 1, "-tend", 0.02, "-dt", 0.01, *words, **options)
+    return freefem("tests/transport/scripts/analytic.edp", "-out", folder, "-overwrite", 1, "-tend", 0.02, "-dt", 0.01, *words,
+        **options)
 
 
 @pytest.mark.parametrize("words, part", [
@@ -40,7 +41,8 @@ def test_bad_option_is_one_line_and_status_3(freefem, run_folder, words, part):
 
 def test_a_force_that_is_off_changes_nothing(freefem, run_folder):
     """No force at all: a straight path."""
-    run(freefem, run_folder, "-flow", "vortex", "-drag", "off", "-buoyancy", 0, "-added-mass", 0, "-lift", 0, "-start-u", 1, "-start-v", 0.5)
+    run(freefem, run_folder, "-flow", "vortex", "-drag", "off", "-buoyancy", 0, "-added-mass", 0, "-lift", 0, "-start-u", 1,
+        "-start-v", 0.5)
     last = (run_folder / "particles.csv").read_text().splitlines()[-1].split(",")
     assert [float(word) for word in last[3:8]] == pytest.approx([0.02, 0.01, 0, 1, 0.5], abs=1e-15)
 
@@ -53,6 +55,7 @@ def test_coefficients_are_those_of_their_forces(one, other, within, freefem, tmp
     """0 is none; the constant drag of a sphere twice as large, of twice the coefficient, accelerates it as much."""
     ends = []
     for name, words in (("one", one), ("other", other), ("plain", [])):
-        run(freefem, tmp_path / name, "-flow", "vortex", "-fluid-acceleration", 1, "-start-x", 0.5, "-start-y", 0.3, "-start-u", 1, "-drag-tolerance", 1e-11, *words)
+        run(freefem, tmp_path / name, "-flow", "vortex", "-fluid-acceleration", 1, "-start-x", 0.5, "-start-y", 0.3, "-start-u", 1,
+            "-drag-tolerance", 1e-11, *words)
         ends.append([float(word) for word in (tmp_path / name / "particles.csv").read_text().splitlines()[-1].split(",")[3:8]])
     assert ends[0] == pytest.approx(ends[1], abs=within, rel=0) and abs(ends[1][4] - ends[2][4]) > 1e-5

@@ -8,9 +8,11 @@ from tests.tables import records
 QUEUE = ["-tend", 0.12, "-checkpoint", 20]
 
 
-@pytest.mark.parametrize("more", [["-turbulence", "fluctuation"], ["-turbulence", "paper", "-history", 0], ["-coupling", "two-way", "-coupling-solver", "umfpack"]])
+@pytest.mark.parametrize("more", [["-turbulence", "fluctuation"], ["-turbulence", "paper", "-history", 0], ["-coupling", "two-way",
+    "-coupling-solver", "umfpack"]])
 def test_a_run_goes_on_from_a_checkpoint_bit_for_bit(freefem, tmp_path, more):
-    """With particles that wait, seeded turbulence, history and contacts; the one that goes on lacks the last checkpoint and has rows too many."""
+    """With particles that wait, seeded turbulence, history and contacts; the one that goes on lacks the last checkpoint and has
+    rows too many."""
     words = ["-mesh", make_mesh(tmp_path / "pipe.mesh", "pipe_obstacles", "--size", 0.025), *QUEUE, *more]
     whole, broken = tmp_path / "whole", tmp_path / "broken"
     freefem("tests/transport/scripts/queue.edp", *words, "-out", whole)
@@ -26,7 +28,8 @@ def test_a_run_goes_on_from_a_checkpoint_bit_for_bit(freefem, tmp_path, more):
         assert (whole / name).read_bytes() == (broken / name).read_bytes(), name
     for name in ["steps.csv"] + (["coupling.csv"] if "two-way" in more else []):
         for one, other in zip(records(whole / name), records(broken / name), strict=True):
-            assert {key: value for key, value in one.items() if "time" not in key} == {key: value for key, value in other.items() if "time" not in key}, name
+            assert {key: value for key, value in one.items() if "time" not in key} == {key: value for key, value in other.items()
+                if "time" not in key}, name
 
 
 def test_who_enters_after_a_restart_draws_as_before_whatever_else_drew(freefem_text, coarse, tmp_path):
@@ -49,13 +52,15 @@ def test_a_restart_with_other_options_or_without_a_checkpoint_is_refused(freefem
     for folder, more in (("run", ["-lift", 0]), ("nowhere", [])):
         done = freefem("tests/transport/scripts/queue.edp", *words, *more, "-restart", tmp_path / folder, check=False)
         assert done.returncode == 3 and len(done.stderr.splitlines()) == 1
-    done = freefem("tests/transport/scripts/queue.edp", "-mesh", "meshes/pipe_obstacles.mesh", "-checkpoint", 2, "-tend", 0.02, "-restart", tmp_path / "run", check=False)
+    done = freefem("tests/transport/scripts/queue.edp", "-mesh", "meshes/pipe_obstacles.mesh", "-checkpoint", 2, "-tend", 0.02,
+        "-restart", tmp_path / "run", check=False)
     assert done.returncode == 3 and "another mesh" in done.stderr
 
 
 def test_a_restart_keeps_its_step(freefem, freefem_refused, tmp_path):
     freefem(ANALYTIC, "-out", tmp_path / "run", "-tend", 0.01, "-dt", 0.003, "-checkpoint", 2)
-    assert "steps of 0.0025 s" in freefem_refused(3, ANALYTIC, "-out", tmp_path / "more", "-tend", 0.021, "-dt", 0.003, "-restart", tmp_path / "run")
+    assert "steps of 0.0025 s" in freefem_refused(3, ANALYTIC, "-out", tmp_path / "more", "-tend", 0.021, "-dt", 0.003, "-restart",
+        tmp_path / "run")
 
 
 def test_carried_particles_go_on_in_the_midst_of_their_history(freefem, coarse, tmp_path):

@@ -68,17 +68,21 @@ cout << "through " << int2d(Th)(a)/int2d(Th)(abs(a)) << endl;
 def test_a_fluid_at_rest_cannot_be_compressed_by_short_steps(freefem_text, tmp_path):
     """Nothing passes a section of a box with one open side (a share of 1e-2 did at the shorter steps, more the shorter)."""
     mesh = tmp_path / "box.mesh"
-    done = freefem_text(BOX.format(mesh=mesh), "-mesh", mesh, "-coupling-width", 0.06, "-drag", "schiller-naumann", "-dt", 1e-5, "-tend", 1e-4, "-contacts", 0, "-out", tmp_path / "run")
+    done = freefem_text(BOX.format(mesh=mesh), "-mesh", mesh, "-coupling-width", 0.06, "-drag", "schiller-naumann", "-dt", 1e-5,
+        "-tend", 1e-4, "-contacts", 0, "-out", tmp_path / "run")
     through = float(next(line for line in done.stdout.splitlines() if line.startswith("through")).split()[1])
     assert abs(through) < 1e-6
 
 
 def test_what_a_floor_bears_does_not_reach_the_fluid(freefem_text, tmp_path):
     """A small sphere at rest, whose drag is fast: 14 % of its weight went into the fluid."""
-    text = BOX.replace("x0 = [0.5, 0.3], y0 = [0.52, 0.4], r = [0.02, 0.01], d = [2500., 7000.], u0 = [1., 0.5], v0 = [0.2, -0.3]", "x0 = [0.5], y0 = [1e-4], r = [1e-4], d = [2500.], u0 = [0.], v0 = [0.]")
-    text = text.replace("z = [0., 0.]", "z = [0.]").replace("gravityY = 0", "gravityY = -9.81").replace("macro caseTwoWay", "macro caseWallLabels() [1] // EOM\nmacro caseTwoWay")
+    text = BOX.replace("x0 = [0.5, 0.3], y0 = [0.52, 0.4], r = [0.02, 0.01], d = [2500., 7000.], u0 = [1., 0.5], v0 = [0.2, -0.3]",
+        "x0 = [0.5], y0 = [1e-4], r = [1e-4], d = [2500.], u0 = [0.], v0 = [0.]")
+    text = text.replace("z = [0., 0.]", "z = [0.]").replace("gravityY = 0", "gravityY = -9.81").replace("macro caseTwoWay",
+        "macro caseWallLabels() [1] // EOM\nmacro caseTwoWay")
     mesh = tmp_path / "box.mesh"
-    freefem_text(text.format(mesh=mesh), "-mesh", mesh, "-coupling-width", 0.06, "-drag", "stokes", "-dt", 0.002, "-tend", 0.02, "-out", tmp_path / "run")
+    freefem_text(text.format(mesh=mesh), "-mesh", mesh, "-coupling-width", 0.06, "-drag", "stokes", "-dt", 0.002, "-tend", 0.02,
+        "-out", tmp_path / "run")
     weight = 1500 * 4 / 3 * 3.14159265 * 1e-12 * 9.81
     assert abs(RunFolder(tmp_path / "run").table("coupling")["force_y"]).max() < 1e-9 * weight
 
@@ -122,8 +126,10 @@ def test_the_source_of_many_particles_is_that_of_one_by_one_and_fast(freefem_tex
 
 
 def test_coupling_along_y_is_that_along_x(freefem_text, tmp_path):
-    """A scene and its image in the line x = y, of which the mesh is its own image: fast spheres, whose flow needs the matrix anew."""
-    image = {"sides = [1, 2, 1, 1]": "sides = [1, 1, 2, 1]", "x0 = [0.5, 0.3], y0 = [0.52, 0.4]": "y0 = [0.5, 0.3], x0 = [0.52, 0.4]",
+    """A scene and its image in the line x = y, of which the mesh is its own image: fast spheres, whose flow needs the matrix
+    anew."""
+    image = {"sides = [1, 2, 1, 1]": "sides = [1, 1, 2, 1]", "x0 = [0.5, 0.3], y0 = [0.52, 0.4]": "y0 = [0.5, 0.3], x0 = [0.52, "
+        "0.4]",
              "u0 = [10., 5.], v0 = [2., -3.]": "v0 = [10., 5.], u0 = [2., -3.]"}
     box = other = BOX.replace("u0 = [1., 0.5], v0 = [0.2, -0.3]", "u0 = [10., 5.], v0 = [2., -3.]")
     for word, instead in image.items():
@@ -131,7 +137,8 @@ def test_coupling_along_y_is_that_along_x(freefem_text, tmp_path):
         other = other.replace(word, instead)
     runs = []
     for name, text in (("x", box), ("y", other)):
-        freefem_text(text.format(mesh=tmp_path / f"{name}.mesh"), "-mesh", tmp_path / f"{name}.mesh", "-coupling-width", 0.06, "-depth", 0.002, "-lift", 1, "-drag", "schiller-naumann",
+        freefem_text(text.format(mesh=tmp_path / f"{name}.mesh"), "-mesh", tmp_path / f"{name}.mesh", "-coupling-width", 0.06,
+            "-depth", 0.002, "-lift", 1, "-drag", "schiller-naumann",
                      "-dt", 0.01, "-tend", 0.04, "-every", 0, "-contacts", 0, "-out", tmp_path / name)
         run = RunFolder(tmp_path / name)
         runs.append((run.particles, run.columns("coupling", "momentum_x", "momentum_y", "pressure_drop_change", "factorisations")))
@@ -144,14 +151,17 @@ def test_coupling_along_y_is_that_along_x(freefem_text, tmp_path):
 
 
 def made_up(folder, places, leaves, coupling=()):
-    """A run of three particles, drawn by hand: places {id: x at 0, 1, 2 s}, leaves {id: time, outlet}; coupling: rows of coupling.csv."""
+    """A run of three particles, drawn by hand: places {id: x at 0, 1, 2 s}, leaves {id: time, outlet}; coupling: rows of
+    coupling.csv."""
     folder.mkdir(parents=True)
     lines = [f"0,{t},{one},{x[t]},0,0,1,0,0,0.01" for t in (0, 1, 2) for one, x in places.items() if t < len(x)]
     (folder / "particles.csv").write_text("\n".join(["step,t,id,x,y,theta,u,v,omega,radius", *lines]) + "\n")
-    (folder / "exits.csv").write_text("\n".join(["t,id,x,y,u,v,radius,density,outlet", *(f"{t},{one},1,0,1,0,0.01,2500,{outlet}" for one, (t, outlet) in leaves.items())]) + "\n")
+    (folder / "exits.csv").write_text("\n".join(["t,id,x,y,u,v,radius,density,outlet", *(f"{t},{one},1,0,1,0,0.01,2500,{outlet}"
+        for one, (t, outlet) in leaves.items())]) + "\n")
     (folder / "run.json").write_text('{"case": "pipe_transport", "status": "finished", "parameters": {}}')
     if coupling:
-        (folder / "coupling.csv").write_text("\n".join(["t,pressure_drop_change,speed_most,change_most,volume_fraction_most", *coupling]) + "\n")
+        (folder / "coupling.csv").write_text("\n".join(["t,pressure_drop_change,speed_most,change_most,volume_fraction_most",
+            *coupling]) + "\n")
     return folder
 
 
@@ -160,11 +170,14 @@ def test_the_effect_of_coupling_is_told_from_both_runs(tmp_path, monkeypatch, ca
     one = made_up(tmp_path / "one", {0: [0, 0.5], 1: [0, 0.4], 2: [0, 0.1, 0.2]}, {0: (1.5, 1), 1: (1.8, 1)})
     two = made_up(tmp_path / "two", {0: [0, 0.5], 1: [0, 0.6], 2: [0, 0.2, 0.5]}, {0: (1.6, 1), 1: (1.5, 1), 3: (1.9, 0)},
                   ["0,0,0,0,0", "1,4,2.0,0.001,0.1", "2,-1,1.7,0.3,0.2"])
-    monkeypatch.setattr(coupling_effect, "compute", lambda seeds, out, options, jobs: [one if options["-coupling"] == "one-way" else two])
+    monkeypatch.setattr(coupling_effect, "compute", lambda seeds, out, options, jobs: [one if options["-coupling"] == "one-way"
+        else two])
     assert coupling_effect.main(["--seeds", "1", "--out", str(tmp_path / "out")]) == 0
     row = {name: values[0] for name, values in read_table(tmp_path / "out/coupling_effect.csv").items()}
-    assert row == pytest.approx({"seed": 1, "pressure_drop_change_mean_Pa": 1, "pressure_drop_change_least_Pa": -1, "pressure_drop_change_most_Pa": 4, "speed_most_change_m_s": -0.3,
-                                 "velocity_change_most_m_s": 0.3, "volume_fraction_most": 0.2, "left_one_way": 2, "left_two_way": 2, "exit_time_mean_change_s": -0.1,
+    assert row == pytest.approx({"seed": 1, "pressure_drop_change_mean_Pa": 1, "pressure_drop_change_least_Pa": -1,
+        "pressure_drop_change_most_Pa": 4, "speed_most_change_m_s": -0.3,
+                                 "velocity_change_most_m_s": 0.3, "volume_fraction_most": 0.2, "left_one_way": 2,
+                                     "left_two_way": 2, "exit_time_mean_change_s": -0.1,
                                  "exit_time_median_difference_s": 0.2, "distance_median_m": 0.2})
     assert re.search(r"carried through +one-way +66.7 %, two-way +66.7 %", capsys.readouterr().out)
     assert (tmp_path / "out/coupling_effect.png").stat().st_size > 10000
@@ -175,10 +188,13 @@ def test_a_seed_of_which_nobody_leaves_has_no_part_in_the_mean_time_of_exit(tmp_
     def runs(leaves):
         for seed, left in enumerate(leaves):
             flow = ["0,0,0,0,0", "1,4,2.0,0.001,0.1"]
-            yield {way: made_up(tmp_path / f"{way}{len(leaves)}{seed}", {0: [0, 0.5, 0.6]}, {0: (1.5 + 0.1 * (way == "two-way"), 1)} if left else {}, flow) for way in ("one-way", "two-way")}
-    for leaves, says in (((1, 0), r"exit_time_mean_change_s +mean +0\.1 +least +0\.1 +most +0\.1"), ((0,), "exit_time_mean_change_s +none")):
+            yield {way: made_up(tmp_path / f"{way}{len(leaves)}{seed}", {0: [0, 0.5, 0.6]},
+                {0: (1.5 + 0.1 * (way == "two-way"), 1)} if left else {}, flow) for way in ("one-way", "two-way")}
+    for leaves, says in (((1, 0), r"exit_time_mean_change_s +mean +0\.1 +least +0\.1 +most +0\.1"),
+        ((0,), "exit_time_mean_change_s +none")):
         found = list(runs(leaves))
-        monkeypatch.setattr(coupling_effect, "compute", lambda seeds, out, options, jobs, found=found: [pair[options["-coupling"]] for pair in found])
+        monkeypatch.setattr(coupling_effect, "compute", lambda seeds, out, options, jobs, found=found: [pair[options["-coupling"]]
+            for pair in found])
         assert coupling_effect.main(["--seeds", str(len(leaves)), "--out", str(tmp_path / "out")]) == 0
         said = capsys.readouterr().out
         assert re.search(says, said) and "nan" not in said
@@ -186,12 +202,16 @@ def test_a_seed_of_which_nobody_leaves_has_no_part_in_the_mean_time_of_exit(tmp_
 
 @pytest.mark.parametrize("turbulence", ["off", "fluctuation"])
 def test_what_acts_back_is_without_the_stresses_of_the_undisturbed_flow(turbulence, freefem_text, tmp_path):
-    """A sphere at rest in u = 3 x, v = -3 y: m_p dU/dt - m_f Du/Dt, with weight and buoyancy out; the acceleration is that of the mean flow where there are fluctuations."""
-    text = BOX.replace("carrierWh u = 0., v = 0.; carrierFlow(u[], v[]);", "carrierWh u = 3*x, v = -3*y, k = 0.06, e = 0.6; carrierFlow(u[], v[]); carrierTurbulence(k[], e[]);")
-    text = text.replace("x0 = [0.5, 0.3], y0 = [0.52, 0.4], r = [0.02, 0.01], d = [2500., 7000.], u0 = [1., 0.5], v0 = [0.2, -0.3], z = [0., 0.]",
+    """A sphere at rest in u = 3 x, v = -3 y: m_p dU/dt - m_f Du/Dt, with weight and buoyancy out; the acceleration is that of the
+    mean flow where there are fluctuations."""
+    text = BOX.replace("carrierWh u = 0., v = 0.; carrierFlow(u[], v[]);", "carrierWh u = 3*x, v = -3*y, k = 0.06, e = 0.6; "
+        "carrierFlow(u[], v[]); carrierTurbulence(k[], e[]);")
+    text = text.replace("x0 = [0.5, 0.3], y0 = [0.52, 0.4], r = [0.02, 0.01], d = [2500., 7000.], u0 = [1., 0.5], v0 = [0.2, "
+        "-0.3], z = [0., 0.]",
                         "x0 = [0.5], y0 = [0.4], r = [0.02], d = [2500.], u0 = [0.], v0 = [0.], z = [0.]").replace("gravityX = 0, gravityY = 0", "gravityX = 2, gravityY = -9.81")
     mesh, dt = tmp_path / "box.mesh", 1e-3
-    freefem_text(text.format(mesh=mesh), "-mesh", mesh, "-turbulence", turbulence, "-fluid-acceleration", 1, "-depth", 1e30, "-dt", dt, "-tend", dt, "-every", 0, "-contacts", 0,
+    freefem_text(text.format(mesh=mesh), "-mesh", mesh, "-turbulence", turbulence, "-fluid-acceleration", 1, "-depth", 1e30, "-dt",
+        dt, "-tend", dt, "-every", 0, "-contacts", 0,
                  "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     flow, sphere, volume = run.table("coupling"), run.particles, 4 / 3 * math.pi * 0.02**3
@@ -225,12 +245,15 @@ def test_the_coupled_flow_keeps_the_eddy_viscosity_and_the_law_of_the_wall(model
     if model == "laminar":
         assert (held, wall) == (2, -1)
     else:
-        assert (held, wall) == (1, 3) and friction == pytest.approx(2 * scale * 0.41 / math.log(9 * max(30, scale * 0.125 / 1e-3)), rel=1e-9)
+        assert (held, wall) == (1, 3) and friction == pytest.approx(2 * scale * 0.41 / math.log(9 * max(30, scale * 0.125 / 1e-3)),
+            rel=1e-9)
 
 
 def test_rows_of_the_coupling_are_means_and_maxima_of_the_steps(freefem, tmp_path):
-    """A source that is uniform, in a stream: a row of many steps against the rows of each; the volume fraction is that of the box, the speed that of the stream and its change."""
-    words = ["-coupling-width", 10, "-stream", 1, "-start-u", 3, "-start-v", 0, "-mu", 0.01, "-drag", "constant", "-tend", 0.06, "-fields", 1]
+    """A source that is uniform, in a stream: a row of many steps against the rows of each; the volume fraction is that of the box,
+    the speed that of the stream and its change."""
+    words = ["-coupling-width", 10, "-stream", 1, "-start-u", 3, "-start-v", 0, "-mu", 0.01, "-drag", "constant", "-tend", 0.06,
+        "-fields", 1]
     runs = []
     for name, every in (("each", 0), ("all", 0.03)):
         freefem("tests/transport/scripts/cloud.edp", "-out", tmp_path / name, "-every", every, *words)
@@ -240,11 +263,14 @@ def test_rows_of_the_coupling_are_means_and_maxima_of_the_steps(freefem, tmp_pat
     for name in ("force_x", "force_y", "source_x", "source_y"):
         assert whole[name][1:] == pytest.approx([each[name][1:4].mean(), each[name][4:].mean()], rel=1e-9, abs=1e-9)
     assert whole["momentum_x"][1:] == pytest.approx(each["momentum_x"][[3, 6]], rel=1e-9)
-    assert each["volume_fraction_most"][1:] == pytest.approx(100 * 4 / 3 * math.pi * 0.01**3 / 0.001, rel=1e-5)  # the kernel is not quite uniform
+    # the kernel is not quite uniform
+    assert each["volume_fraction_most"][1:] == pytest.approx(100 * 4 / 3 * math.pi * 0.01**3 / 0.001, rel=1e-5)
     assert each["change_most"][-1] > 0.1 and each["speed_most"] == pytest.approx(1 + each["change_most"], rel=1e-9)
     assert each["change_most"] == pytest.approx(each["momentum_x"] / (1000 * 0.001), rel=1e-5)
-    freefem("tests/transport/scripts/cloud.edp", "-out", tmp_path / "apart", "-every", 0, "-converge", -20, "-coupling-width", 0.05, "-mu", 0.01, "-drag", "stokes", "-tend", 0.03)
-    thinner = RunFolder(tmp_path / "apart").table("coupling")["volume_fraction_most"][1:]  # spheres that fly apart: of each row's own steps
+    freefem("tests/transport/scripts/cloud.edp", "-out", tmp_path / "apart", "-every", 0, "-converge", -20, "-coupling-width",
+        0.05, "-mu", 0.01, "-drag", "stokes", "-tend", 0.03)
+    # spheres that fly apart: of each row's own steps
+    thinner = RunFolder(tmp_path / "apart").table("coupling")["volume_fraction_most"][1:]
     assert (thinner[1:] < 0.95 * thinner[:-1]).all()
     last = read_field(tmp_path / "each/fields_0000006.vtu")[1]["velocity"]
     assert last[:, 0] == pytest.approx(each["speed_most"][-1], rel=1e-5)
@@ -269,8 +295,10 @@ include "scripts/transport.edp"
 def test_walls_with_a_law_hold_the_fluid_by_their_friction(way, freefem_text, tmp_path):
     """d(momentum)/dt = weight less buoyancy - 2 c/H momentum; a part of the weight across the channel moves nothing."""
     sides, walls = ["labelLeft", "labelRight"], ["labelBottom", "labelTop"]
-    words = {"along": 9.81, "up": -3, "sides": sides, "walls": walls, "axis": "y"} if way == "x" else {"along": -3, "up": 9.81, "sides": walls, "walls": sides, "axis": "x"}
-    freefem_text(CHANNEL.format(**words), "-drag", "stokes", "-coupling-width", 10, "-contacts", 0, "-dt", 0.02, "-tend", 1, "-out", tmp_path / "run")
+    words = {"along": 9.81, "up": -3, "sides": sides, "walls": walls, "axis": "y"} if way == "x" else {"along": -3, "up": 9.81,
+        "sides": walls, "walls": sides, "axis": "x"}
+    freefem_text(CHANNEL.format(**words), "-drag", "stokes", "-coupling-width", 10, "-contacts", 0, "-dt", 0.02, "-tend", 1,
+        "-out", tmp_path / "run")
     flow = RunFolder(tmp_path / "run").table("coupling")
     along, across = ("momentum_x", "momentum_y") if way == "x" else ("momentum_y", "momentum_x")
     assert flow[along][-1] == pytest.approx(1500 * 4 / 3 * math.pi * 1e-6 * 9.81 * (1 - math.exp(-1)), rel=5e-3)

@@ -1,7 +1,9 @@
-"""A step of the flow that spheres change, against its equation written in another form: convection as derivatives, nothing integrated by parts."""
+"""A step of the flow that spheres change, against its equation written in another form: convection as derivatives, nothing
+integrated by parts."""
 import pytest
 
-# U is linear and slips over two open sides; two sides are held. The unknowns before the step are whatever they are: the equation holds all the same.
+# U is linear and slips over two open sides; two sides are held. The unknowns before the step are whatever they are: the equation
+# holds all the same.
 STEP = """
 int[int] sides = [1, 2, 2, 1];
 mesh Th = square(5, 4, label = sides);
@@ -37,7 +39,8 @@ SLOW = ["0.3*sin(3*x + y)", "0.2*cos(x - 4*y)", "0.25*sin(3*x + 2*y)", "0.3*cos(
 FAST = ["4 + 3*x - y", "-3 + 2*x + 5*y", "2 + 3*x", "-2 + x + 4*y"]
 
 
-@pytest.mark.parametrize("known, w, factored", [(0.2, SLOW, 5), (-0.1, SLOW, 5), (0.2, FAST, 6)], ids=["near what the matrix knows", "near it, the other way", "far from it"])
+@pytest.mark.parametrize("known, w, factored", [(0.2, SLOW, 5), (-0.1, SLOW, 5), (0.2, FAST, 6)],
+    ids=["near what the matrix knows", "near it, the other way", "far from it"])
 def test_a_step_satisfies_the_equation_of_the_flow(known, w, factored, freefem_text):
     found = list(map(float, freefem_text(STEP.format(known=known, w=w)).stdout.split("STEP")[1].split()[:5]))
     assert found[0] == factored and min(found[1:3]) > 1e-3

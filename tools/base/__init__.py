@@ -1,1 +1,2 @@
-"""What every tool stands on: options and ends of a command, tables, run folders, meshes, runs of FreeFEM, quantities, comparisons."""
+"""What every tool stands on: options and ends of a command, tables, run folders, meshes, runs of FreeFEM, quantities,
+comparisons."""

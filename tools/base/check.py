@@ -30,7 +30,8 @@ import numpy as np
 from tools.base.command import BadInput, Parser
 from tools.base.tables import read_table
 
-TABLES = ("particles", "fluid", "contacts", "forces", "wallforces", "fluxes", "budget", "motion", "steps", "coupling", "entries", "exits")
+TABLES = ("particles", "fluid", "contacts", "forces", "wallforces", "fluxes", "budget", "motion", "steps", "coupling", "entries",
+    "exits")
 KEYS = ("id", "label", "i", "j")  # columns that tell the rows of one time apart
 NOT_COMPARED = ("step", "dt", "iterations", "gap", "worst_gap")
 SAME_TIME = 1e-9  # of the length of the run: times this close are one time
@@ -271,7 +272,8 @@ def compare_tables(result, name, run, reference, wanted, time=None, subset=False
                                   + (f" and {len(absent) - 1} other times" if len(absent) > 1 else "")
                                   + f" of the reference (its rows go from {tr[0]:.9g} to {tr[-1]:.9g})")
         elif not len(times):
-            result.missing.append(f"{name}: no value{words(keys, key)} could be compared: its rows in the run go from {tr[0]:.9g} to "
+            result.missing.append(f"{name}: no value{words(keys, key)} could be compared: its rows in the run go from "
+                f"{tr[0]:.9g} to "
                                   f"{tr[-1]:.9g}, in the reference from {te[0]:.9g} to {te[-1]:.9g}")
         for column, (relative, absolute) in wanted.items():
             is_ = values_at(times, tr, run[column][mine], slack)
@@ -310,7 +312,8 @@ def parser():
     options.add_argument("--rtol", type=float, default=1e-6, help="relative tolerance (default 1e-6)")
     options.add_argument("--atol", type=float, default=0.0, help="absolute tolerance, in the column's unit (default 0)")
     options.add_argument("--time", metavar="NAME", help="the column to align by (default t, else the first t_...)")
-    options.add_argument("--subset", action="store_true", help="the run may hold particles, and times of a pair, that the reference has not")
+    options.add_argument("--subset", action="store_true", help="the run may hold particles, and times of a pair, that the "
+        "reference has not")
     return options
 
 

@@ -84,7 +84,8 @@ def out_folder(text):
     """An argument type of --out: the whole path of a folder that FreeFEM writes runs into. Raises BadInput."""
     path = Path(text).resolve()
     if not re.fullmatch(r"[A-Za-z0-9._/+=,@%-]+", str(path)):
-        raise BadInput(f"--out '{path}' holds signs other than letters, figures and . _ - / + = , @ %, which FreeFEM takes in no folder of a run")
+        raise BadInput(f"--out '{path}' holds signs other than letters, figures and . _ - / + = , @ %, which FreeFEM takes in no "
+            f"folder of a run")
     return path
 
 

@@ -30,7 +30,8 @@ class Mesh:
 
 
 def read_mesh(path):
-    """The Mesh of a plane medit file, of FreeFEM's savemesh or of meshio. Edges with triangles on both sides are no sides and are left out."""
+    """The Mesh of a plane medit file, of FreeFEM's savemesh or of meshio. Edges with triangles on both sides are no sides and are
+    left out."""
     try:
         words = re.sub(r'"[^"]*"', " ", re.sub(r"#.*", " ", Path(path).read_text(encoding="utf-8"))).split()
     except (OSError, UnicodeDecodeError) as problem:
@@ -47,7 +48,8 @@ def read_mesh(path):
             raise ValueError
     except (ValueError, IndexError):
         raise BadInput(f"{path} is not a whole plane medit mesh with Vertices, Edges and Triangles") from None
-    sides, count = np.unique(np.sort(np.concatenate([triangles[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=1), axis=0, return_counts=True)
+    sides, count = np.unique(np.sort(np.concatenate([triangles[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=1), axis=0,
+        return_counts=True)
     inner = set(map(tuple, sides[count > 1]))
     outer = np.array([tuple(edge) not in inner for edge in np.sort(edges, axis=1)], bool)
     return Mesh(vertices, triangles - 1, edges[outer] - 1, labels[outer])

@@ -42,7 +42,8 @@ def _mean(run, times, values, start, end):
     inner = (times > start) & (times < end)
     longest = np.diff(times).max(where=(times[1:] > start) & (times[:-1] < end), initial=0.0)
     if longest > max(end - start, DENSE * (times[-1] - times[0])) * (1 + 1e-6):
-        raise ValueError(f"only {np.count_nonzero((times >= start) & (times <= end))} rows in the window from {start:g} to {end:g}, and they lie {longest:g} apart: write more rows, or ask for a longer window")
+        raise ValueError(f"only {np.count_nonzero((times >= start) & (times <= end))} rows in the window from {start:g} to "
+            f"{end:g}, and they lie {longest:g} apart: write more rows, or ask for a longer window")
     t = np.concatenate([[start], times[inner], [end]])
     v = np.interp(t, times, values)
     return float(np.sum(0.5 * (v[1:] + v[:-1]) * np.diff(t)) / (end - start))
@@ -256,7 +257,8 @@ def parse(text, known):
     signature = inspect.signature(known[name])
     kinds = [one.annotation in (str, "str") for one in list(signature.parameters.values())[1:]]
     try:
-        values = [word if is_word else float(word) for word, is_word in itertools.zip_longest(words, kinds[:len(words)], fillvalue=False)]
+        values = [word if is_word else float(word) for word, is_word in itertools.zip_longest(words, kinds[:len(words)],
+            fillvalue=False)]
         signature.bind(None, *values)
     except ValueError:
         raise BadInput(f"quantity '{text}' needs numbers after its name") from None

@@ -22,17 +22,21 @@ from tools.base.tables import read_table
 
 SI = {"length": "m", "time": "s", "mass": "kg"}
 SYMBOLS = {"length": "L", "time": "T", "mass": "M"}  # of a case whose own parameters have no units
-SMALLER = {"length": ("cm", "mm", "um", "nm", "km"), "time": ("ms", "us", "ns", "min"), "mass": ("g", "mg", "ug", "ng", "pg", "fg", "t")}
+SMALLER = {"length": ("cm", "mm", "um", "nm", "km"), "time": ("ms", "us", "ns", "min"), "mass": ("g", "mg", "ug", "ng", "pg", "fg",
+    "t")}
 RELATIVE = {"rad", "H", "h", "mean", "radii"}  # angles, and lengths over one of the scene
 DRIVER = {"-tend", "-dt", "-every", "-fields", "-maxwall", "-penalty"}  # options with units that every case has, whatever its own
-NEEDED = {"particles": "t id x y theta radius", "fluid": "t", "contacts": "t i j", "shapes": "id major minor", "steps": "t", "exits": "id t outlet",
+NEEDED = {"particles": "t id x y theta radius", "fluid": "t", "contacts": "t i j", "shapes": "id major minor", "steps": "t",
+    "exits": "id t outlet",
           "motion": "step t kinetic_energy potential_energy worst_gap", "walls": "x1 y1 x2 y2", "wallmoves": "t wall x1 y1 x2 y2",
           "wall": "x side shear pressure", "zones": "side separation reattachment"}  # columns without which a table says nothing
-KINDS = {"parameters": (dict, "an object in braces"), "units": (dict, "an object in braces"), "period": (list, "two numbers in brackets"), "low": (list, "two numbers in brackets"), "open": (list, "labels in brackets")}
+KINDS = {"parameters": (dict, "an object in braces"), "units": (dict, "an object in braces"),
+    "period": (list, "two numbers in brackets"), "low": (list, "two numbers in brackets"), "open": (list, "labels in brackets")}
 
 
 def own(path):
-    """Adds a file that a tool has made to the list of a run's own files, which -overwrite 1 replaces, where it lies in a run; returns the path."""
+    """Adds a file that a tool has made to the list of a run's own files, which -overwrite 1 replaces, where it lies in a run;
+    returns the path."""
     listed = Path(path).parent / ".files"
     if listed.is_file() and Path(path).name not in listed.read_text(encoding="utf-8").splitlines():
         with open(listed, "a", encoding="utf-8") as stream:
@@ -64,7 +68,8 @@ class RunFolder:
             raise BadInput(f"{path} must hold one object in braces")
         for name, (kind, words) in KINDS.items():
             value = info.get(name)
-            if value is not None and (not isinstance(value, kind) or kind is list and not all(type(one) in (int, float) for one in value) or name in ("period", "low") and len(value) != 2):
+            if value is not None and (not isinstance(value, kind) or kind is list and not all(type(one) in (int, float)
+                for one in value) or name in ("period", "low") and len(value) != 2):
                 raise BadInput(f'{path}: "{name}" must be {words}, not {json.dumps(value)[:60]}')
         return info
 
@@ -95,7 +100,8 @@ class RunFolder:
     @property
     def title(self):
         """The case's name as words, and how the run ended if it failed or did not converge."""
-        return self.case.replace("_", " ") + (f" ({self.status})" if self.status.startswith(("failed", "not", "killed", "ended")) else "")
+        return self.case.replace("_", " ") + (f" ({self.status})" if self.status.startswith(("failed", "not", "killed", "ended"))
+            else "")
 
     def warn_unfinished(self):
         """One line on the error stream when the run has not come to its end."""
@@ -109,7 +115,8 @@ class RunFolder:
     def units(self):
         """Names of the units of length, time and mass: those of which the case's own options (run.json: units)
         speak, else those of SI (g with cm); L, T and M where none of these options has a unit but heights, radii or angles."""
-        own = [str(unit) for name, unit in (self.info.get("units") or {}).items() if name not in DRIVER and not name.startswith("-contact-")]
+        own = [str(unit) for name, unit in (self.info.get("units") or {}).items() if name not in DRIVER
+            and not name.startswith("-contact-")]
         words = set(re.findall("[A-Za-z]+", " ".join(own)))
         if own and words <= RELATIVE:
             return SYMBOLS
@@ -144,7 +151,8 @@ class RunFolder:
 
     @property
     def clip(self):
-        """(x0, y0, width, height) beyond which no particle is drawn (seams, outlets): that of the mesh, None where there is none."""
+        """(x0, y0, width, height) beyond which no particle is drawn (seams, outlets): that of the mesh, None where there is
+        none."""
         return self.extent if any(self.period) or self.mesh is not None else None
 
     def wrapped(self, x, axis):

@@ -76,7 +76,8 @@ def option_words(options):
 
 
 def named_files(script):
-    """The files that a script, of FreeFEM or gmsh, names in quotes, from the root or beside it, and those that its includes name, however deep."""
+    """The files that a script, of FreeFEM or gmsh, names in quotes, from the root or beside it, and those that its includes name,
+    however deep."""
     found, waiting = set(), [script]
     while waiting:
         path = waiting.pop()
@@ -194,7 +195,8 @@ def end_all():
 
 @contextlib.contextmanager
 def side_by_side(workers):
-    """A pool of threads for runs. Whatever breaks in (an error, Ctrl-C) drops what waits and ends what runs; what has ended stays."""
+    """A pool of threads for runs. Whatever breaks in (an error, Ctrl-C) drops what waits and ends what runs; what has ended
+    stays."""
     with concurrent.futures.ThreadPoolExecutor(workers) as pool:
         try:
             yield pool
@@ -279,11 +281,13 @@ def freefem_version():
 
 
 def own_folder(folder, tool, names):
-    """Makes the folder of a tool, and empties its subfolders of these names. Raises BadInput for one that holds files, but none of the tool's."""
+    """Makes the folder of a tool, and empties its subfolders of these names. Raises BadInput for one that holds files, but none of
+    the tool's."""
     mark = folder / f".{tool}"
     folder.mkdir(parents=True, exist_ok=True)
     if any(folder.iterdir()) and not mark.is_file() and not (folder / f"{tool}.csv").is_file():
-        raise BadInput(f"the folder {folder} holds other things than those of tools.{tool}, which removes {', '.join(names)} in it: --out takes a folder of its own")
+        raise BadInput(f"the folder {folder} holds other things than those of tools.{tool}, which removes {', '.join(names)} in "
+            f"it: --out takes a folder of its own")
     mark.write_text("")
     for name in names:
         shutil.rmtree(folder / name, ignore_errors=True)

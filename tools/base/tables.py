@@ -24,7 +24,8 @@ def read_table(path, finite=False, of_run=False):
     except (OSError, UnicodeDecodeError) as problem:
         raise BadInput(f"cannot read the table {path}: {problem}") from None
     if of_run and lines and not lines[-1][1].endswith("\n"):
-        raise BadInput(f"{path}, line {lines[-1][0]}: the line has no end; the run was cut off while it wrote it (or writes it now): go on with -restart, or take the line out")
+        raise BadInput(f"{path}, line {lines[-1][0]}: the line has no end; the run was cut off while it wrote it (or writes it "
+            f"now): go on with -restart, or take the line out")
     lines = [(number, line) for number, line in lines if line.strip() and not line.lstrip().startswith("#")]
     if not lines:
         raise BadInput(f"the table {path} is empty: it needs a header row")
@@ -69,7 +70,8 @@ def first_fault(path, body, names):
 
 
 def write_table(path, names, rows, head=()):
-    """Write rows (sequences as long as names) as CSV, whole or not at all; reals with 12 digits, None as empty. head: comments above the header row."""
+    """Write rows (sequences as long as names) as CSV, whole or not at all; reals with 12 digits, None as empty. head: comments
+    above the header row."""
     def shown(value):
         if value is None:
             return ""

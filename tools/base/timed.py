@@ -66,12 +66,14 @@ def without_guarded(text, names):
             return text, count
         end = closing(text, match.end() - 1, "(", ")")
         condition = text[match.end():end - 1]
-        if not word.search(condition) or "||" in condition and not all(word.search(part) for part in condition.split("||")) or condition.startswith("!"):
+        if not word.search(condition) or "||" in condition and not all(word.search(part)
+            for part in condition.split("||")) or condition.startswith("!"):
             at = match.end()
             continue
         after = statement_end(text, end)
         other = re.compile(r"\s*else\b").match(text, after)
-        text = text[:match.start()] + (text[other.end():].lstrip() if other else "1;" + text[after:])  # 1; is FreeFEM's empty statement
+        # 1; is FreeFEM's empty statement
+        text = text[:match.start()] + (text[other.end():].lstrip() if other else "1;" + text[after:])
         count, at = count + 1, match.start()
 
 
@@ -114,7 +116,8 @@ def carried_step(number, steps, history, out):
     history (Brown-Lawler drag, weight less buoyancy, added mass, fluid acceleration, lift, Magnus, fluctuations), or with it
     too, no contacts. The first steps of a run are its most expensive: the figure is over all of them."""
     folder = out / "runs" / f"{number}_{history}"
-    done = finished(run_case("tests/transport/scripts/bench.edp", {"-number": number, "-tend": 0.001 * steps, "-history": history}, out=folder))
+    done = finished(run_case("tests/transport/scripts/bench.edp", {"-number": number, "-tend": 0.001 * steps, "-history": history},
+        out=folder))
     table = RunFolder(folder).table("steps")
     return table["time_flow"][-1] / steps, table["time_forces"][-1] / steps, done.memory_mb
 

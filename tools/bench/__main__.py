@@ -42,7 +42,8 @@ def peers(install):
     there, missing = set(), []
     for name, pinned in PACKAGES.items():
         if importlib.util.find_spec(name) is None and install:
-            subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", pinned], check=False, capture_output=True)
+            subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", pinned], check=False,
+                capture_output=True)
             importlib.invalidate_caches()
         if importlib.util.find_spec(name) is None:
             missing.append(f"{pinned} is not installed" + (" and could not be" if install else "") + ": left out")
@@ -65,7 +66,8 @@ def jobs_of(part, there, out, quick, limit):
         settle = {OURS: [(n, 0.014 / n) for n in (3, 4, 5, 6)], PUBLISHED: PUBLISHED_SETTLING}
         turn = {OURS: [(8, 0.01), (16, 0.0025), (32, 0.000625)], PUBLISHED: [(8, 0.02), (16, 0.02), (32, 0.02)]}
         if quick:
-            settle, turn = {OURS: settle[OURS][:2], PUBLISHED: PUBLISHED_SETTLING[:1]}, {name: those[:2] for name, those in turn.items()}
+            settle, turn = {OURS: settle[OURS][:2], PUBLISHED: PUBLISHED_SETTLING[:1]}, {name: those[:2] for name,
+                those in turn.items()}
         lattice = ([0, 1] if quick else [0, 1, 2, 3]) if "lbmpy" in there else []
         return particle_jobs(out, settle, lattice, turn, limit) + suspension_jobs(out, {OURS: (20, 5), PUBLISHED: (3, 1)}, limit)
     if part == "contacts":
@@ -77,9 +79,12 @@ def jobs_of(part, there, out, quick, limit):
     if quick:
         return scaling_jobs(out, {OURS: [(4, 20, 5), (8, 10, 4)], PUBLISHED: [(4, 3, 1)]},
                             {OURS: [(0, 20, 5), (1, 20, 5), (50, 15, 5)], "none": [(None, 20, 5)]}, [], [], [], limit)
-    return scaling_jobs(out, {OURS: [(4, 40, 10), (6, 40, 10), (8, 30, 10), (12, 25, 10), (17, 15, 5)], PUBLISHED: [(4, 4, 1), (6, 3, 1), (8, 3, 1)]},
-                        {OURS: [(0, 40, 10), (1, 40, 10), (50, 40, 10), (500, 20, 5)], "none": [(None, 40, 10)], PUBLISHED: [(1, 3, 1), (50, 3, 1), (500, 3, 1)]},
-                        [(number, 200, 160) for number in (0, 1, 50, 500)], [(number, 15, 5) for number in (0, 1, 50, 500)], [(number, 200, 160) for number in (0, 1, 50, 500)], limit)
+    return scaling_jobs(out, {OURS: [(4, 40, 10), (6, 40, 10), (8, 30, 10), (12, 25, 10), (17, 15, 5)], PUBLISHED: [(4, 4, 1),
+        (6, 3, 1), (8, 3, 1)]},
+                        {OURS: [(0, 40, 10), (1, 40, 10), (50, 40, 10), (500, 20, 5)], "none": [(None, 40, 10)],
+                            PUBLISHED: [(1, 3, 1), (50, 3, 1), (500, 3, 1)]},
+                        [(number, 200, 160) for number in (0, 1, 50, 500)], [(number, 15, 5) for number in (0, 1, 50, 500)],
+                            [(number, 200, 160) for number in (0, 1, 50, 500)], limit)
 
 
 # Minutes of a part after which no further round begins; what is skipped takes 7 and 1.
@@ -92,9 +97,12 @@ def parser():
     options = Parser(prog="python -m tools.bench", description=__doc__)
     options.add_argument("--quick", action="store_true", help="coarse runs only, at most 5 minutes")
     options.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS), help="default: all")
-    options.add_argument("--keep", action="store_true", help="take the runs of the other parts from the bench.csv of DIR (what is skipped is not in it)")
-    options.add_argument("--out", type=out_folder, default=str(ROOT / "results" / "bench"), metavar="DIR", help="where page, figure and table go (default results/bench)")
-    options.add_argument("--repeats", type=whole(1), default=3, metavar="N", help="most runs of each (default 3; a long one runs once)")
+    options.add_argument("--keep", action="store_true", help="take the runs of the other parts from the bench.csv of DIR (what "
+        "is skipped is not in it)")
+    options.add_argument("--out", type=out_folder, default=str(ROOT / "results" / "bench"), metavar="DIR",
+        help="where page, figure and table go (default results/bench)")
+    options.add_argument("--repeats", type=whole(1), default=3, metavar="N", help="most runs of each (default 3; a long one runs "
+        "once)")
     options.add_argument("--limit", type=positive, default=900, metavar="S", help="most seconds of one run (default 900)")
     options.add_argument("--no-install", action="store_true", help="do not install packages that are missing")
     return options
@@ -128,9 +136,11 @@ def main(words=None):
         else:
             until = time.perf_counter() + 60 * SHARES[given.quick][part]
             often = 3 if part == "scaling" else 1  # the cost of a step is short to measure and wavers
-            samples += run_rounds(jobs_of(part, there, out, given.quick, given.limit), often * given.repeats, (5 if given.quick else 25) / often, say, until=until)
+            samples += run_rounds(jobs_of(part, there, out, given.quick, given.limit), often * given.repeats,
+                (5 if given.quick else 25) / often, say, until=until)
         points = collect(sorted(samples, key=lambda s: PARTS.index(s.section)))
-        page = write_page(points, samples, skipped, missing, out, given.quick, (time.perf_counter() - begin) / 60, (before, load()), computer)
+        page = write_page(points, samples, skipped, missing, out, given.quick, (time.perf_counter() - begin) / 60,
+            (before, load()), computer)
         if points or skipped:
             draw(points, skipped, out / "bench.png")
     for name in ("runs", "trees"):

@@ -13,11 +13,15 @@ STYLES = {
     "scikit-fem": ("#000000", "D", ":"), "lbmpy": ("#cc79a7", "v", (0, (5, 1, 1, 1, 1, 1))), "SciPy": ("#000000", "p", (0, (7, 2))),
     "accelerated": ("#56b4e9", "P", (0, (3, 1))), "piqp": ("#e69f00", "X", "-."), "clarabel": ("#595959", "<", "--"),
     "scs": ("#000000", ">", ":"), "osqp": ("#a05000", "*", (0, (1, 1))), "no particles in the program": ("#009e73", "h", ":"),
-    "standard, in the jet": ("#56b4e9", "d", (0, (6, 1))), "standard, 3 mm": ("#003f66", "X", (0, (2, 1))), "standard, 3 mm, carried": ("#cc79a7", "P", (0, (4, 1, 1, 1))),
+    "standard, in the jet": ("#56b4e9", "d", (0, (6, 1))), "standard, 3 mm": ("#003f66", "X", (0, (2, 1))),
+        "standard, 3 mm, carried": ("#cc79a7", "P", (0, (4, 1, 1, 1))),
 }
-SHORT = {("flow", "2d1"): "DFG 2D-1, drag", ("flow", "2d2"): "DFG 2D-2, worst of three", ("flow", "cavity"): "cavity, Re 1000", ("particles", "settling"): "settling disk, velocity",
-         ("particles", "turning"): "disk in shear, rotation", ("transport", "spheres"): "1,000 carried spheres", ("transport", "step"): "carried spheres",
-         ("contacts", "number"): "contacts", ("scaling", "unknowns"): "settling disk", ("scaling", "particles"): "disks in the pipe"}
+SHORT = {("flow", "2d1"): "DFG 2D-1, drag", ("flow", "2d2"): "DFG 2D-2, worst of three", ("flow", "cavity"): "cavity, Re 1000",
+    ("particles", "settling"): "settling disk, velocity",
+         ("particles", "turning"): "disk in shear, rotation", ("transport", "spheres"): "1,000 carried spheres",
+             ("transport", "step"): "carried spheres",
+         ("contacts", "number"): "contacts", ("scaling", "unknowns"): "settling disk",
+             ("scaling", "particles"): "disks in the pipe"}
 FEATURES = {"contacts of carried spheres": "contacts, spheres", "contacts of spheres far apart": "used, far apart"}
 SIZES = {"number": "disks", "step": "spheres", "unknowns": "unknowns", "particles": "disks (0 drawn at 0.3)"}
 
@@ -33,7 +37,8 @@ def plain(axis):
     low, high = axis.get_view_interval()
     decades = math.log10(high / low)
     axis.set_major_locator(LogLocator(subs=(1, 2, 5) if decades < 1.2 else (1, 3) if decades < 2.2 else (1,), numticks=7))
-    axis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}" if 1e-3 <= v < 1e4 else f"$10^{{{math.log10(v):.0f}}}$" if abs(math.log10(v) % 1) < 1e-9
+    axis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}" if 1e-3 <= v < 1e4 else f"$10^{{{math.log10(v):.0f}}}$"
+        if abs(math.log10(v) % 1) < 1e-9
                                            else f"${v / 10**math.floor(math.log10(v)):.0f}\\cdot10^{{{math.floor(math.log10(v))}}}$"))
     axis.set_minor_formatter(NullFormatter())
 
@@ -50,9 +55,11 @@ def draw_points(axes, points):
         y = [p.error if error else p.cost for p in some]
         axes.plot(x, y, **look(name))
         if not error:
-            axes.vlines(x, [p.spread[0] for p in some], [p.spread[1] for p in some], color=STYLES.get(name, ("#000000",))[0], linewidth=0.8)
+            axes.vlines(x, [p.spread[0] for p in some], [p.spread[1] for p in some], color=STYLES.get(name, ("#000000",))[0],
+                linewidth=0.8)
         else:
-            axes.hlines(y, [p.spread[0] for p in some], [p.spread[1] for p in some], color=STYLES.get(name, ("#000000",))[0], linewidth=0.8)
+            axes.hlines(y, [p.spread[0] for p in some], [p.spread[1] for p in some], color=STYLES.get(name, ("#000000",))[0],
+                linewidth=0.8)
         drawn.append(name)
     axes.set_xscale("log")
     axes.set_yscale("log")
@@ -62,7 +69,8 @@ def draw_points(axes, points):
         axes.set_ylim(low / 2, high * 2)
     step = any(math.isfinite(p.step_s) for p in points)
     axes.set_xlabel("CPU time (s)" if error else SIZES[points[0].problem])
-    axes.set_ylabel(("residual (mean radii)" if points[0].section == "contacts" else "relative error") if error else f"CPU time of a {'step' if step else 'solve'} (s)")
+    axes.set_ylabel(("residual (mean radii)" if points[0].section == "contacts" else "relative error")
+        if error else f"CPU time of a {'step' if step else 'solve'} (s)")
     axes.set_title(SHORT.get(key, f"contacts, {points[0].problem}"))
     axes.grid(True)
     plain(axes.xaxis)
@@ -75,7 +83,8 @@ def draw_skipped(axes, skipped):
     some = [s for s in skipped if not s.note]
     for k, s in enumerate(some):
         axes.plot([s.quartiles[0], s.quartiles[1]], [k, k], color="#808080", linewidth=2, solid_capstyle="butt", zorder=1)
-        axes.plot([s.percent], [k], marker="o" if s.name != "none" else "D", color="#0072b2" if s.name != "none" else "black", markersize=4, zorder=2)
+        axes.plot([s.percent], [k], marker="o" if s.name != "none" else "D", color="#0072b2" if s.name != "none" else "black",
+            markersize=4, zorder=2)
     axes.axvline(1, color="black", linewidth=0.8, linestyle="--")
     axes.axvline(0, color="black", linewidth=0.5)
     axes.set_xscale("symlog", linthresh=5, linscale=2)
@@ -91,7 +100,8 @@ def draw_skipped(axes, skipped):
 
 def draw(points, skipped, path):
     """Write the figure; returns its path, None where nothing has a number."""
-    shown = {key: some for key, some in groups(points).items() if key != ("particles", "suspension") and any(not p.note for p in some)}
+    shown = {key: some for key, some in groups(points).items() if key != ("particles", "suspension") and any(not p.note
+        for p in some)}
     number = len(shown) + bool(skipped)
     if not number:
         return None

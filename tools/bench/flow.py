@@ -25,11 +25,14 @@ REFERENCE = {
 }
 # Of this suite: words for tools.mesh, options of the case.
 LEVELS = {
-    "2d1": [(["cylinder_steady", "--size", f"{3.0 / n:.5f}", "--circle-points", str(n), "--growth", f"{4.8 / n:.5f}", "--wake-factor", "3", "--wake-growth", "0.3"], {})
+    "2d1": [(["cylinder_steady", "--size", f"{3.0 / n:.5f}", "--circle-points", str(n), "--growth", f"{4.8 / n:.5f}",
+        "--wake-factor", "3", "--wake-growth", "0.3"], {})
             for n in (28, 40, 64)],
-    "2d2": [(["cylinder_channel", "--size", "0.15", "--circle-points", "30", "--wake-factor", "2.3", "--wake-growth", "0.08"], {"-dt": 0.0055, "-cfl": 3}),
+    "2d2": [(["cylinder_channel", "--size", "0.15", "--circle-points", "30", "--wake-factor", "2.3", "--wake-growth", "0.08"],
+        {"-dt": 0.0055, "-cfl": 3}),
             (["cylinder_channel", "--size", "0.12", "--circle-points", "32"], {}),  # the default mesh
-            (["cylinder_channel", "--size", "0.08", "--circle-points", "48", "--growth", "0.07", "--wake-factor", "1.3", "--wake-growth", "0.03"],
+            (["cylinder_channel", "--size", "0.08", "--circle-points", "48", "--growth", "0.07", "--wake-factor", "1.3",
+                "--wake-growth", "0.03"],
              {"-dt": 0.0015, "-tolerance": 1e-5}),
             (["cylinder_channel", "--circle-points", "24"], {})],  # for the scheme as published
     "cavity": [(["cavity", "--size", "0.0417"], {}), (["cavity", "--size", "0.0278"], {}), (["cavity", "--size", "0.0179"], {})],
@@ -39,7 +42,8 @@ SIZES = {("2d1", OURS): NEARBY, ("2d1", "NGSolve"): NEARBY, ("2d1", "scikit-fem"
 CASES = {"2d1": "cylinder_steady", "2d2": "cylinder_channel", "cavity": "cavity"}
 # The scheme as published on the same meshes: level of the mesh, options. Steady flows are marched until they are.
 MARCHED = {
-    "2d1": [(0, {"-speed": 0.3, "-dt": 0.05, "-tend": 3, "-sample": 1}), (1, {"-speed": 0.3, "-dt": 0.025, "-tend": 3, "-sample": 1}),
+    "2d1": [(0, {"-speed": 0.3, "-dt": 0.05, "-tend": 3, "-sample": 1}), (1, {"-speed": 0.3, "-dt": 0.025, "-tend": 3,
+        "-sample": 1}),
             (2, {"-speed": 0.3, "-dt": 0.025, "-tend": 3, "-sample": 1})],
     "2d2": [(3, {"-dt": 0.02, "-tend": 6, "-sample": 0.02}), (3, {"-dt": 0.01, "-tend": 6}), (1, {"-dt": 0.01, "-tend": 6})],
     "cavity": [(0, {"-dt": 0.1, "-tend": 40}), (0, {"-dt": 0.05, "-tend": 40}), (1, {"-dt": 0.1, "-tend": 40})],
@@ -77,7 +81,8 @@ def size_of(run, holes=1):
 def ours(problem, level, out, limit, size):
     """(unknowns, numbers, cpu_s, own_s) of a run of this suite."""
     folder = out / "runs" / f"{problem}_{level}_{size:g}"
-    done = finished(run_case(f"cases/{CASES[problem]}.edp", {"-mesh": str(mesh_of(problem, level, out, size)), **LEVELS[problem][level][1]}, out=folder, limit=limit))
+    done = finished(run_case(f"cases/{CASES[problem]}.edp", {"-mesh": str(mesh_of(problem, level, out, size)),
+        **LEVELS[problem][level][1]}, out=folder, limit=limit))
     run = RunFolder(folder)
     if problem == "2d2":
         return size_of(run), vortices_of(run), done.cpu_s, done.cpu_s
@@ -89,7 +94,8 @@ def published(problem, level, out, limit):
     """The same of the scheme as published."""
     on, options = MARCHED[problem][level]
     folder = out / "runs" / f"published_{problem}_{level}"
-    done = finished(run_case(f"tools/bench/published_{'cavity' if problem == 'cavity' else 'channel'}.edp", {"-mesh": str(mesh_of(problem, on, out)), **options}, out=folder, limit=limit))
+    done = finished(run_case(f"tools/bench/published_{'cavity' if problem == 'cavity' else 'channel'}.edp",
+        {"-mesh": str(mesh_of(problem, on, out)), **options}, out=folder, limit=limit))
     run = RunFolder(folder)
     if problem == "cavity":
         return size_of(run, holes=0), run.results, done.cpu_s, done.cpu_s
@@ -105,7 +111,8 @@ def vortices_of(run):
 
 def peer(program, problem, level, limit, size):
     """The same of another package."""
-    done = run_command([sys.executable, "-m", f"tools.peers.{PEERS[program][0]}", problem, str(level), *([str(size)] if size != 1 else [])], limit)
+    done = run_command([sys.executable, "-m", f"tools.peers.{PEERS[program][0]}", problem, str(level),
+        *([str(size)] if size != 1 else [])], limit)
     found = reported(done)
     return found["unknowns"], found, done.cpu_s, found["cpu_s"]
 
@@ -121,7 +128,8 @@ def judged(program, problem, level, out, limit):
     """{unknowns, cpu_s, own_s, error} of a program over the meshes of SIZES."""
     runs = []
     for size in SIZES.get((problem, program), (1.0,)):
-        unknowns, found, cpu, own = (ours(problem, level, out, limit, size) if program == OURS else published(problem, level, out, limit) if program == PUBLISHED
+        unknowns, found, cpu, own = (ours(problem, level, out, limit, size) if program == OURS else published(problem, level, out,
+            limit) if program == PUBLISHED
                                      else peer(program, problem, level, limit, size))
         runs.append((float(unknowns), cpu, own, error(problem, found)))
     return dict(zip(("unknowns", "cpu_s", "own_s", "error"), over_neighbours(runs)))

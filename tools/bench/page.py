@@ -98,7 +98,8 @@ def ratios(points):
         if found:
             ratio, at, bound = found
             words = {"": f"{ratio:.3g} times the time of the standard scheme",
-                     ">": f"more than {ratio:.3g} times (its best error needs more time than the standard scheme's cheapest, better one)",
+                     ">": f"more than {ratio:.3g} times (its best error needs more time than the standard scheme's cheapest, "
+                         f"better one)",
                      "<": f"less than {ratio:.3g} times (its cheapest run is better than the standard scheme's best)"}[bound]
             lines.append(f"- {name}, at an error of {at:.2g}: {words}")
         elif any(not p.note for p in theirs):
@@ -112,11 +113,13 @@ def exponents(points):
     for name, theirs in programs(points).items():
         both = [p for p in theirs if name != "standard" and not p.note and p.unknowns in mine]
         if both:
-            lines.append(f"- {name} over standard: " + ", ".join(f"{p.cost / mine[p.unknowns]:.3g} at size {p.unknowns:,.0f}" for p in both))
+            lines.append(f"- {name} over standard: " + ", ".join(f"{p.cost / mine[p.unknowns]:.3g} at size {p.unknowns:,.0f}"
+                for p in both))
     for name, theirs in programs(points).items():
         none, some = ([p for p in theirs if not p.note and (p.unknowns == 0) == empty] for empty in (True, False))
         if none and some:
-            lines.append(f"- {name}, over size 0: " + ", ".join(f"{p.cost / none[0].cost:.3g} at size {p.unknowns:,.0f}" for p in some))
+            lines.append(f"- {name}, over size 0: " + ", ".join(f"{p.cost / none[0].cost:.3g} at size {p.unknowns:,.0f}"
+                for p in some))
     for name, theirs in programs(points).items():
         sizes = [p.unknowns for p in theirs if not p.note and p.unknowns > 0]
         if len(set(sizes)) > 1:
@@ -129,13 +132,16 @@ def exponents(points):
 
 def skipped_table(skipped):
     """The lines on features that a scene does not use."""
-    lines = ["| feature | what is compared | a step | without | difference, median (quartiles) | pairs | at most 1 % |", "|" + " --- |" * 7]
+    lines = ["| feature | what is compared | a step | without | difference, median (quartiles) | pairs | at most 1 % |",
+        "|" + " --- |" * 7]
     for s in skipped:
         if s.note:
             lines.append(f"| {s.name} | {s.about} | | | {s.note.replace('|', '/')} | 0 | not measured |")
             continue
-        verdict = "noise of the machine" if s.name == "none" else "yes" if s.percent <= 1 else "within the quartiles" if s.quartiles[0] <= 1 else "NO"
-        lines.append(f"| {s.name} | {s.about} | {seconds(s.used_s)} | {seconds(s.without_s)} | {s.percent:+.2f} % ({s.quartiles[0]:+.2f} to {s.quartiles[1]:+.2f}) "
+        verdict = ("noise of the machine" if s.name == "none" else "yes" if s.percent <= 1 else "within the quartiles"
+            if s.quartiles[0] <= 1 else "NO")
+        lines.append(f"| {s.name} | {s.about} | {seconds(s.used_s)} | {seconds(s.without_s)} | {s.percent:+.2f} % "
+            f"({s.quartiles[0]:+.2f} to {s.quartiles[1]:+.2f}) "
                      f"| {s.pairs} | {verdict} |")
     return lines
 
@@ -145,14 +151,19 @@ def write_page(points, samples, skipped, missing, out, quick, minutes, loads, co
     computer: the machine in words."""
     names = [field.name for field in dataclasses.fields(Sample)]
     write_table(out / "bench.csv", names, [[getattr(s, name) for name in names] for s in samples])
-    lines = ["# Benchmark", "", f"`python -m tools.bench{' --quick' if quick else ''}` took {minutes:.1f} minutes on {computer}, on one core of it; "
+    lines = ["# Benchmark", "", f"`python -m tools.bench{' --quick' if quick else ''}` took {minutes:.1f} minutes on {computer}, "
+        f"on one core of it; "
              f"commit {commit()}; load average {loads[0]:.1f} at the start, {loads[1]:.1f} at the end"
              + (" (other work ran beside it: the times are too long)." if max(loads) > 1.5 else "."), "",
              f"Versions: {equipment()}.", "",
-             "Times are CPU seconds of one thread. All programs of a part ran one after the other, in rounds; a run above the limit for repeats ran once. "
-             "Packages are timed without their imports and code generation, FreeFEM with its start (about 0.1 s), but in the parts that give the cost of a step. "
-             "Ratios are read at an error that both programs reach, by straight lines between measured points in logarithms; nothing is extrapolated. "
-             "\"published\" is Lefebvre's scheme; in the contact parts, plain Uzawa.", "", "![Error against CPU time, scaling, and what is skipped](bench.png)", ""]
+             "Times are CPU seconds of one thread. All programs of a part ran one after the other, in rounds; a run above the "
+                 "limit for repeats ran once. "
+             "Packages are timed without their imports and code generation, FreeFEM with its start (about 0.1 s), but in the "
+                 "parts that give the cost of a step. "
+             "Ratios are read at an error that both programs reach, by straight lines between measured points in logarithms; "
+                 "nothing is extrapolated. "
+             "\"published\" is Lefebvre's scheme; in the contact parts, plain Uzawa.", "", "![Error against CPU time, scaling, "
+                 "and what is skipped](bench.png)", ""]
     lines += [f"- {line}" for line in missing] + ([""] if missing else [])
     for (section, problem), some in groups(points).items():
         lines += [f"## {title(section, problem)}", "", *table(some), ""]

@@ -145,7 +145,8 @@ def collect(samples):
 
 def front(points):
     """(log cost, log error) of the points that no cheaper one of the same program beats, by rising cost."""
-    both = np.array([(p.cost, p.error) for p in points if p.cost > 0 and p.error > 0 and math.isfinite(p.cost * p.error)]).reshape(-1, 2)
+    both = np.array([(p.cost, p.error) for p in points if p.cost > 0 and p.error > 0
+        and math.isfinite(p.cost * p.error)]).reshape(-1, 2)
     return np.log(both[pareto(*both.T)])
 
 

@@ -22,7 +22,8 @@ def disk_step(scheme, cells, out, steps, warm, limit):
     of an element a step on every mesh."""
     folder = tree(out / "trees" / f"scaling_{scheme}", SETTLING, steps, warm)
     dt = 0.005 / cells
-    options = {"-mesh": str(mesh("settling_disk", f"settling_{cells:g}", out, "--size", f"{DIAMETER / cells:.12g}")), "-scheme": scheme,
+    options = {"-mesh": str(mesh("settling_disk", f"settling_{cells:g}", out, "--size", f"{DIAMETER / cells:.12g}")),
+        "-scheme": scheme,
                "-dt": dt, "-tend": dt * (steps + 2), "-every": 1000}
     cost, memory = step_time(folder, SETTLING, options, out / "runs" / f"scaling_{scheme}_{cells:g}", limit)
     columns, rows = round(2 * cells / DIAMETER), round(6 * cells / DIAMETER)
@@ -31,17 +32,21 @@ def disk_step(scheme, cells, out, steps, warm, limit):
 
 def scaling_jobs(out, cells, disks, jet, fine, carried, limit, size=None):
     """cells: {program: [(elements across the disk, steps, first steps that do not count)]};
-    disks: {program: [(number or None, steps, the same)]}; jet: such a list, of the standard scheme in the case's own steps; fine, carried: two in
+    disks: {program: [(number or None, steps, the same)]}; jet: such a list, of the standard scheme in the case's own steps; fine,
+    carried: two in
     smaller elements."""
     jobs = [Job("scaling", "unknowns", program, level, functools.partial(disk_step, program, one, out, steps, warm, limit))
             for program, those in cells.items() for level, (one, steps, warm) in enumerate(those)]
     for program, those in disks.items():
         for level, (number, steps, warm) in enumerate(those):
             name = "no particles in the program" if number is None else program
-            jobs.append(Job("scaling", "particles", name, level, functools.partial(pipe_step, program, number, out, steps, warm, limit, size)))
+            jobs.append(Job("scaling", "particles", name, level, functools.partial(pipe_step, program, number, out, steps, warm,
+                limit, size)))
     for name, those in ((FINE, fine), (CARRIED, carried)):
-        jobs += [Job("scaling", "particles", name, level, functools.partial(pipe_step, OURS, number, out, steps, warm, limit, FINE_SIZE)) for level, (number, steps, warm) in enumerate(those)]
-    return jobs + [Job("scaling", "particles", IN_JET, level, functools.partial(pipe_step, OURS, number, out, steps, warm, limit, size, own=True))
+        jobs += [Job("scaling", "particles", name, level, functools.partial(pipe_step, OURS, number, out, steps, warm, limit,
+            FINE_SIZE)) for level, (number, steps, warm) in enumerate(those)]
+    return jobs + [Job("scaling", "particles", IN_JET, level, functools.partial(pipe_step, OURS, number, out, steps, warm, limit,
+        size, own=True))
                    for level, (number, steps, warm) in enumerate(jet)]
 
 

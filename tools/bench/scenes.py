@@ -23,7 +23,8 @@ from tools.validation.settling_disk import fitted_mean
 FALL, TURN = fitted_mean(), 0.8392
 PIPE = "cases/pipe_obstacles.edp"
 NEARBY = (1.0, 0.95, 1.05)  # sizes of elements, or time steps of a lattice, over one's own
-PATH = "--pattern unstructured --corridor-width 0.5 --corridor-bottom 1.8 --corridor-top 4.3 --coarse-factor 8 --growth 0.4".split()  # fine where the disk falls in 0.4 s
+# fine where the disk falls in 0.4 s
+PATH = "--pattern unstructured --corridor-width 0.5 --corridor-bottom 1.8 --corridor-top 4.3 --coarse-factor 8 --growth 0.4".split()
 
 
 def mesh(recipe, name, out, *words):
@@ -45,12 +46,14 @@ def flow_jobs(out, levels, limit):
 
 
 def settling(scheme, cells, dt, out, limit):
-    """Mean fall velocity over 0.3 to 0.4 s with `cells` elements across the disk, larger ones away from its path; the slow published scheme once."""
+    """Mean fall velocity over 0.3 to 0.4 s with `cells` elements across the disk, larger ones away from its path; the slow
+    published scheme once."""
     def run(factor):
         across, step = cells / factor, dt * factor
         folder = out / "runs" / f"settling_{scheme}_{across:.4g}_{step:.4g}"
         done = finished(run_case("cases/settling_disk.edp", {
-            "-mesh": str(mesh("box_corridor", f"corridor_{across:.4g}", out, "--size", f"{0.25 / across:.12g}", *PATH)), "-scheme": scheme, "-dt": step, "-tend": 0.4,
+            "-mesh": str(mesh("box_corridor", f"corridor_{across:.4g}", out, "--size", f"{0.25 / across:.12g}", *PATH)),
+                "-scheme": scheme, "-dt": step, "-tend": 0.4,
             "-every": 0.005, "-tolerance": 1e-4}, out=folder, limit=limit))
         value, why = quantities.evaluate(quantities.parse("mean_v:0.3:0.4", quantities.load()), RunFolder(folder))
         if why:
@@ -73,10 +76,12 @@ def turning(scheme, cells, dt, out, limit):
     """Angular velocity of the free disk in a shear flow over half the shear rate, Stokes flow."""
     folder = out / "runs" / f"turning_{scheme}_{cells}_{dt:g}"
     done = finished(run_case("cases/couette_disk.edp", {
-        "-mesh": str(mesh("couette_disk", f"couette_{cells}", out, "--size", f"{1 / cells:.12g}", "--length", "4")), "-scheme": scheme, "-reynolds": 0.0,
+        "-mesh": str(mesh("couette_disk", f"couette_{cells}", out, "--size", f"{1 / cells:.12g}", "--length", "4")),
+            "-scheme": scheme, "-reynolds": 0.0,
         "-radius": 0.25, "-y": 0.5, "-length": 4.0, "-dt": dt, "-tend": 0.4, "-tolerance": 1e-7}, out=folder, limit=limit))
     omega = RunFolder(folder).table("particles")["omega"][-1]
-    return {"unknowns": unknowns(folder), "cpu_s": done.cpu_s, "error": abs(-2 * float(omega) / TURN - 1), "memory_mb": done.memory_mb}
+    return {"unknowns": unknowns(folder), "cpu_s": done.cpu_s, "error": abs(-2 * float(omega) / TURN - 1),
+        "memory_mb": done.memory_mb}
 
 
 def particle_jobs(out, settle, lattice, turn, limit):
@@ -107,7 +112,8 @@ def lattice_of_disks(number, path):
 
 
 def pipe_step(scheme, number, out, steps, warm, limit, size=None, own=False):
-    """Cost of a step of the pipe with `number` disks in it; None: no particles in the program either. own: in the case's own time steps
+    """Cost of a step of the pipe with `number` disks in it; None: no particles in the program either. own: in the case's own time
+    steps
     (at most 0.32 s of them), not small ones at the start."""
     script = PIPE if number is not None else "cases/pipe_jet.edp"
     folder = tree(out / "trees" / f"pipe_{scheme}_{number}", script, steps, warm)
@@ -126,7 +132,8 @@ def pipe_step(scheme, number, out, steps, warm, limit, size=None, own=False):
 
 def suspension_jobs(out, steps, limit):
     """A step of 50 disks in the pipe. steps: {program: (steps, of which the first do not count)}."""
-    return [Job("particles", "suspension", program, 0, functools.partial(pipe_step, program, 50, out, *those, limit)) for program, those in steps.items()]
+    return [Job("particles", "suspension", program, 0, functools.partial(pipe_step, program, 50, out, *those, limit)) for program,
+        those in steps.items()]
 
 
 @functools.lru_cache(4)

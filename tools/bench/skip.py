@@ -19,7 +19,8 @@ FLOW_FILES = ("scripts/flow.edp", "lib/scheme/velocity_step.idp", "lib/scheme/pr
 CARRIED_FILES = ("lib/transport/step.idp", "lib/transport/velocity.idp", "lib/transport/forces.idp")
 STILL = {"-dt": 0.0005, "-every": 1000}
 PIPE_STEP = {**STILL, "-cfl": 0, "-ramp": 0.01}
-ALONE = {"-number": 5000, "-lift": 0, "-added-mass": 0, "-fluid-acceleration": 0, "-magnus": 0, "-turbulence": "off", "-drag": "brown-lawler", "-dt": 1e-5}
+ALONE = {"-number": 5000, "-lift": 0, "-added-mass": 0, "-fluid-acceleration": 0, "-magnus": 0, "-turbulence": "off",
+    "-drag": "brown-lawler", "-dt": 1e-5}
 
 
 @dataclass
@@ -46,14 +47,17 @@ JET_STILL, SETTLE = Variant(JET, {**PIPE_STEP, "-budget": 0}), Variant(DISK, STI
 CARRIED = Variant(SPHERES, ALONE)
 FEATURES = [
     Feature("none", "the same program twice", JET_STILL, JET_STILL),
-    Feature("particles", "resolved.edp without a particle, against flow.edp", Variant(PIPE, {**PIPE_STEP, "-number": 0}), JET_STILL),
+    Feature("particles", "resolved.edp without a particle, against flow.edp", Variant(PIPE, {**PIPE_STEP, "-number": 0}),
+        JET_STILL),
     Feature("contacts", "a disk far from the walls, against a program that never looks", SETTLE,
             Variant(DISK, STILL, calls=("motionContacts", "impactShare"), files=("scripts/resolved_standard.idp",))),
     Feature("contacts of carried spheres", "-contacts 0, against a program without them", CARRIED,
             Variant(SPHERES, ALONE, guards=("transportContacts",), files=("lib/transport/step.idp",)), 200),
-    Feature("contacts of spheres far apart", "-contacts 1 where none can touch (used, not skipped), against -contacts 0", Variant(SPHERES, {**ALONE, "-contacts": 1, "-number": 200}),
+    Feature("contacts of spheres far apart", "-contacts 1 where none can touch (used, not skipped), against -contacts 0",
+        Variant(SPHERES, {**ALONE, "-contacts": 1, "-number": 200}),
             Variant(SPHERES, {**ALONE, "-number": 200}), 200),
-    Feature("convection", "Stokes flow, against a program without convection", Variant(JET, {**PIPE_STEP, "-budget": 0, "-convection": 0}),
+    Feature("convection", "Stokes flow, against a program without convection", Variant(JET, {**PIPE_STEP, "-budget": 0,
+        "-convection": 0}),
             Variant(JET, {**PIPE_STEP, "-budget": 0, "-convection": 0}, guards=("withConvection",), files=FLOW_FILES)),
     Feature("fields", "no fields asked for, against a program that cannot write any", JET_STILL,
             Variant(JET, JET_STILL.options, calls=("fieldsWrite",), files=("scripts/flow.edp",))),
@@ -62,7 +66,8 @@ FEATURES = [
     Feature("turbulence", "no fluctuations, against a program without them", CARRIED,
             Variant(SPHERES, ALONE, guards=("turbMode",), files=CARRIED_FILES), 200),
     Feature("transport forces", "drag and weight alone, against a program with no other force", CARRIED,
-            Variant(SPHERES, ALONE, guards=("forceMagnus", "forceLift", "forceAddedMass", "forceSided", "bassetOn", "turbMode"), files=CARRIED_FILES), 200),
+            Variant(SPHERES, ALONE, guards=("forceMagnus", "forceLift", "forceAddedMass", "forceSided", "bassetOn", "turbMode"),
+                files=CARRIED_FILES), 200),
 ]
 
 

@@ -40,13 +40,15 @@ def distance(positions, out):
 
 def by_scipy(level, out):
     found, done = peer("vortex", level, out / "runs" / f"spheres_scipy_{level}.npy")
-    return {"unknowns": NUMBER, "cpu_s": done.cpu_s, "own_s": reported(done)["cpu_s"], "error": distance(found[:2], out), "memory_mb": done.memory_mb}
+    return {"unknowns": NUMBER, "cpu_s": done.cpu_s, "own_s": reported(done)["cpu_s"], "error": distance(found[:2], out),
+        "memory_mb": done.memory_mb}
 
 
 def by_suite(level, out):
     folder = out / "runs" / f"spheres_{level}"
     done = finished(run_case("tests/transport/scripts/analytic.edp", {
-        "-flow": "vortex", "-number": NUMBER, "-radius": RADIUS, "-density": DENSITY, "-start-x": START_X, "-spread": SPREAD, "-tend": END, "-dt": STEPS[level],
+        "-flow": "vortex", "-number": NUMBER, "-radius": RADIUS, "-density": DENSITY, "-start-x": START_X, "-spread": SPREAD,
+            "-tend": END, "-dt": STEPS[level],
         "-drag": "brown-lawler", "-fluid-acceleration": 1, "-lift": 1, "-every": END}, out=folder))
     run = RunFolder(folder)
     table, steps = run.particles, run.table("steps")
@@ -66,4 +68,5 @@ def transport_jobs(out, numbers, levels, steps=20):
     """Error against time of a thousand spheres, and the cost of a step of `numbers` of them."""
     jobs = [Job("transport", "spheres", name, level, functools.partial(function, level, out))
             for level in range(levels) for name, function in ((OURS, by_suite), ("SciPy", by_scipy))]
-    return jobs + [Job("transport", "step", OURS, level, functools.partial(step_cost, number, steps, out)) for level, number in enumerate(numbers)]
+    return jobs + [Job("transport", "step", OURS, level, functools.partial(step_cost, number, steps, out)) for level,
+        number in enumerate(numbers)]

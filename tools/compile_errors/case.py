@@ -8,7 +8,8 @@ from tools.compile_errors.names import declared, included
 
 
 class Own:
-    """A file of the user's: the case, or what it includes of their own. shown: its name for sentences; named: as an include names it."""
+    """A file of the user's: the case, or what it includes of their own. shown: its name for sentences; named: as an include names
+    it."""
 
     def __init__(self, path, shown, named=None):
         self.path, self.shown, self.named = path, shown, named

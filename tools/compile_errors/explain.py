@@ -147,7 +147,8 @@ def syntax(case, said):
         return at(file, token.line, f"something is missing between {before.text} and {token.text}: a comma, an operator or a ;")
     if before.text == "=" and token.text == "{":
         return at(file, token.line, f"a list stands in brackets [...], not in braces: {earlier.text} = [...]")
-    return at(file, token.line, f"{token.text} cannot stand here, behind {spelled([earlier, before]) if before.text in '=,' else before.text}")
+    return at(file, token.line,
+        f"{token.text} cannot stand here, behind {spelled([earlier, before]) if before.text in '=,' else before.text}")
 
 
 def strange(before, token, earlier):

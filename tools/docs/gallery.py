@@ -53,7 +53,8 @@ def page(entry, helps):
             text += f"![{name}](../../cases/pictures/{picture})\n\n"
     if entry["draws"]:
         text += f"Drawn by {prose(entry['draws'])}.\n\n"
-    facts = [("Case", f"`{path}`"), ("Driver", f"`scripts/{options.driver_of(path)}`"), ("CPU time", entry["cpu"]), ("Error", entry["error"])]
+    facts = [("Case", f"`{path}`"), ("Driver", f"`scripts/{options.driver_of(path)}`"), ("CPU time", entry["cpu"]),
+        ("Error", entry["error"])]
     if entry["page"]:
         facts.append(("Validation", f"[{entry['page'].replace('_', ' ')}](../validation/{entry['page']}.md)"))
     text += "| | |\n| --- | --- |\n" + "".join(f"| {name} | {value} |\n" for name, value in facts if value) + "\n## The scene\n\n"
@@ -72,7 +73,8 @@ def index(found):
         text += f"\n## {name}\n\n| picture | case |\n| --- | --- |\n"
         for case, entry in found.items():
             if entry["group"] == group:
-                picture = f"[![{case}](../../cases/pictures/{entry['picture']}){{.thumbnail}}]({case}.md)" if entry["picture"] else ""
+                picture = (f"[![{case}](../../cases/pictures/{entry['picture']}){{.thumbnail}}]({case}.md)" if entry["picture"]
+                    else "")
                 name, shows = title(case)
                 text += f"| {picture} | [`{case}`]({case}.md). {prose(shows or name)} |\n"
     listed = "\n".join(found)

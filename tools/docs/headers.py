@@ -5,7 +5,8 @@ from tools.base.command import ROOT
 
 # What is code within a sentence of a header: a command, the name of a file, an option with its value.
 CODE = re.compile(
-    r"(?P<command>python -m tools\.[\w.]+(?: (?:RUN\b|--?[a-z][\w-]*(?: -?[\d.]+\w*| [\w.]+\.mesh)?|[a-z]+_[a-z]+|own\b))*|make validate\s+CASE=\w+|make run\b)"
+    r"(?P<command>python -m tools\.[\w.]+(?: (?:RUN\b|--?[a-z][\w-]*(?: -?[\d.]+\w*| [\w.]+\.mesh)?|[a-z]+_[a-z]+|own\b))*|make "
+        r"validate\s+CASE=\w+|make run\b)"
     r"|(?P<file>(?<![\w/])(?:[\w.]+/)*\w[\w.]*\.(?:edp|idp|py|csv|mesh|geo|json|vtu|pvd|md)\b)"
     r"|(?P<option>(?<![\w-])-[a-z][\w-]+(?: -?\d(?:[\w.]*\w)?)?)")
 
@@ -22,7 +23,8 @@ def header(path):
 
 def is_sentence(line):
     """Whether an indented line goes on with the sentence before it; commands and formulas do not."""
-    return bool(re.match(r" {3}[A-Za-z(]", line)) and " " in line.strip() and " = " not in line and (line.endswith(".") or not re.search(r"FreeFem\+\+|python -m", line))
+    return bool(re.match(r" {3}[A-Za-z(]", line)) and " " in line.strip() and " = " not in line and (line.endswith(".")
+        or not re.search(r"FreeFem\+\+|python -m", line))
 
 
 def blocks(lines):

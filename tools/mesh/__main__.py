@@ -8,7 +8,8 @@ try:
 except ModuleNotFoundError as missing:
     if missing.name.startswith("tools"):
         raise
-    print(f"error: the Python package {missing.name} is not installed: run make setup, then .venv/bin/python -m tools.mesh", file=sys.stderr)
+    print(f"error: the Python package {missing.name} is not installed: run make setup, then .venv/bin/python -m tools.mesh",
+        file=sys.stderr)
     sys.exit(3)
 
 if __name__ == "__main__":

@@ -13,7 +13,8 @@ from tools.meshing.structured import even, gridded, growing, joined
 
 def add_options(parser):
     add_size(parser, 1 / 12, "H", "height of the cells, and their length at the step")
-    parser.add_argument("--inlet-length", type=non_negative, default=20.0, metavar="H", help="length of the inlet channel, 0 for none (default %(default)g)")
+    parser.add_argument("--inlet-length", type=non_negative, default=20.0, metavar="H", help="length of the inlet channel, 0 for "
+        "none (default %(default)g)")
     add_length(parser, "--outlet-length", 60.0, "H", "length behind the step")
     add_length(parser, "--stretch", 1.04, "R", "ratio of the lengths of neighbouring cells away from the step")
     add_length(parser, "--longest", 6.0, "F", "length of the longest cells over their height")

@@ -26,7 +26,8 @@ def faults(mesh, outline, tolerance=1e-9):
         found.append("a vertex belongs to no triangle")
     pieces = pieces_of(mesh.triangles)
     if pieces > 1:
-        found.append(f"the triangles make {pieces} pieces that share no side (a common vertex does not join them): join the surfaces (in gmsh BooleanFragments or Coherence), or mesh one")
+        found.append(f"the triangles make {pieces} pieces that share no side (a common vertex does not join them): join the "
+            f"surfaces (in gmsh BooleanFragments or Coherence), or mesh one")
 
     edges, count = edges_of(mesh.triangles)
     if count.max() > 2:

@@ -9,7 +9,8 @@ def add_options(parser):
     add_size(parser, 1 / 32, "L")
     add_length(parser, "--length", 1.0, "L", "period along the plates")
     add_length(parser, "--height", 1.0, "L", "distance of the plates")
-    parser.add_argument("--core", type=non_negative, default=0.0, metavar="L", help="side of the square in the middle that --size holds for; 0: everywhere (default %(default)g)")
+    parser.add_argument("--core", type=non_negative, default=0.0, metavar="L", help="side of the square in the middle that "
+        "--size holds for; 0: everywhere (default %(default)g)")
     add_length(parser, "--coarse-factor", 8.0, "F", "largest size beside the core, as a multiple of --size")
     add_length(parser, "--growth", 0.15, "G", "growth of the size from cell to cell beside the core")
     add_pattern(parser, "right")

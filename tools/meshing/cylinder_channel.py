@@ -31,8 +31,10 @@ def add_options(parser):
     add_length(parser, "--length", 2.2, "M", "length of the channel")
     add_length(parser, "--height", 0.41, "M", "height of the channel")
     add_length(parser, "--radius", 0.05, "M", "radius of the cylinder")
-    parser.add_argument("--centre", type=number, nargs=2, default=[0.2, 0.2], metavar=("X", "Y"), help="its centre (default 0.2 0.2)")
-    parser.add_argument("--circle-points", type=whole(8), default=32, metavar="N", help="sides of the polygon (default %(default)d)")
+    parser.add_argument("--centre", type=number, nargs=2, default=[0.2, 0.2], metavar=("X", "Y"),
+        help="its centre (default 0.2 0.2)")
+    parser.add_argument("--circle-points", type=whole(8), default=32, metavar="N", help="sides of the polygon (default "
+        "%(default)d)")
     add_length(parser, "--growth", 0.15, "G", "growth of the size per distance from the cylinder and the wake")
     add_length(parser, "--wake-factor", 1.6, "F", "size at the start of the wake, as a multiple of a side of the polygon")
     add_length(parser, "--wake-growth", 0.06, "G", "growth of the size per distance along the wake")
@@ -44,10 +46,12 @@ def build(options):
     gap = min(x, o.length - x, y, o.height - y) - rp
     require(gap > 0, f"the cylinder of radius {o.radius:g} at ({x:g}, {y:g}) is not within the channel {o.length:g} x {o.height:g}")
     side = 2 * pi * o.radius / o.circle_points
-    require(side <= gap, f"a side of the cylinder's polygon, {side:g}, is larger than its gap to the wall, {gap:g}: ask for more --circle-points")
+    require(side <= gap, f"a side of the cylinder's polygon, {side:g}, is larger than its gap to the wall, {gap:g}: ask for more "
+        f"--circle-points")
     require(o.size <= o.height / 2, f"the element size {o.size:g} is larger than half the height of the channel, {o.height / 2:g}")
     angles = [2 * pi * k / o.circle_points for k in range(o.circle_points)]
     circle = [(x + rp * cos(angle), y + rp * sin(angle), "cylinder") for angle in angles]
     outline = Outline(rectangle(0, o.length, 0, o.height, "wall", "outlet", "wall", "inlet").loops + [circle])
-    near = [SizeNear(outline.segments("cylinder"), side)] + wake(x + rp, o.length, y, side * o.wake_factor, o.wake_growth, 1.4 * o.radius, o.size)
+    near = [SizeNear(outline.segments("cylinder"), side)] + wake(x + rp, o.length, y, side * o.wake_factor, o.wake_growth,
+        1.4 * o.radius, o.size)
     return outline, triangulated(outline, o.size, near, o.growth, single=["cylinder"])

@@ -15,7 +15,8 @@ def main():
     if {"-h", "--help"} & set(sys.argv[1:]):
         print(__doc__.strip())
         return 0
-    known = {case: [case] for case in CASES} | {path.stem: ["own", "--from", str(path)] for path in sorted((ROOT / "meshes").glob("*.geo"))}
+    known = {case: [case] for case in CASES} | {path.stem: ["own", "--from", str(path)]
+        for path in sorted((ROOT / "meshes").glob("*.geo"))}
     unknown = [name for name in sys.argv[1:] if name not in known]
     if unknown:
         raise BadInput(f"no default mesh is named '{unknown[0]}'; known: {', '.join(known)}")

@@ -1,7 +1,8 @@
 """python -m tools.mesh RECIPE --size 0.01 --out FILE: the mesh of a case, by gmsh or on a grid.
 
 Most cases have a recipe under their name (python -m tools.mesh RECIPE --help lists its
-options; the template and other boxes: `box`); `own` takes a gmsh script or mesh of yours. The mesh is checked before it is written: all labels there, labelled edges equal
+options; the template and other boxes: `box`); `own` takes a gmsh script or mesh of yours. The mesh is checked before it is written:
+all labels there, labelled edges equal
 to the sides of the domain, no inverted or sliver element. The file is read by FreeFEM's
 readmesh with labels.
 
@@ -19,7 +20,8 @@ try:
 except ModuleNotFoundError as missing:
     if missing.name.startswith("tools"):
         raise
-    print(f"error: the Python package {missing.name} is not installed: run make setup, then .venv/bin/python -m tools.mesh", file=sys.stderr)
+    print(f"error: the Python package {missing.name} is not installed: run make setup, then .venv/bin/python -m tools.mesh",
+        file=sys.stderr)
     sys.exit(3)
 
 FAILED_CHECK = 4
@@ -55,7 +57,8 @@ def is_foreign(path):
 def main():
     options, unknown = parser().parse_known_args()
     if unknown:
-        raise BadInput(f"{' '.join(unknown)}: not known to {options.case} (python -m tools.mesh {options.case} --help lists its options)")
+        raise BadInput(f"{' '.join(unknown)}: not known to {options.case} (python -m tools.mesh {options.case} --help lists its "
+            f"options)")
     path = Path(options.out)
     if path.suffix != ".mesh" or any(sign.isspace() for sign in path.name):
         raise BadInput(f"--out needs a file name without spaces that ends with .mesh, not '{options.out}'")

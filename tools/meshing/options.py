@@ -35,7 +35,8 @@ def require(true, message):
 
 def require_cells(size, gap, what, least=2):
     """Refuses an element size of which fewer than `least` go into a gap."""
-    require(size <= gap / least * (1 + 1e-9), f"the element size {size:g} is too large for {what} of {gap:g}: at most {gap / least:g}")
+    require(size <= gap / least * (1 + 1e-9),
+        f"the element size {size:g} is too large for {what} of {gap:g}: at most {gap / least:g}")
 
 
 def require_stretch(ratio):

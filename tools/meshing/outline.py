@@ -21,7 +21,8 @@ class Outline:
     def __post_init__(self):
         self.loops = [without_repeats(loop) for loop in self.loops]
         if any(len(loop) < 3 for loop in self.loops):
-            raise BadInput("a body or the domain is so small beside its place that its corners are one point: ask for other dimensions")
+            raise BadInput("a body or the domain is so small beside its place that its corners are one point: ask for other "
+                "dimensions")
 
     def sides(self):
         """All sides: starts (n, 2), ends (n, 2), labels (n,)."""

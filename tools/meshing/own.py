@@ -11,7 +11,8 @@ A physical curve within the domain is left out, with a warning; so are surfaces 
 to no physical surface where there is one. A script is meshed with its own element sizes, or with --size
 where those are larger (transfinite curves keep their points), and scaled by its Mesh.ScalingFactor; --size
 is a size of the scaled mesh. For a refinement study of a script with several sizes add --proportional: all sizes
-by one factor, so that the largest elements are of --size. With --size it is meshed anew, whatever commands Mesh and RefineMesh the script has. Sides of a period need matching nodes (gmsh: Periodic Curve).
+by one factor, so that the largest elements are of --size. With --size it is meshed anew, whatever commands Mesh and RefineMesh the
+script has. Sides of a period need matching nodes (gmsh: Periodic Curve).
 """
 import re
 import sys
@@ -32,8 +33,10 @@ MOST = 1e8  # squares of the element size in the box round a domain
 
 def add_options(parser):
     parser.add_argument("--from", dest="source", metavar="FILE", required=True, help="gmsh script (.geo) or mesh (.msh)")
-    parser.add_argument("--size", type=positive, metavar="L", help="of a script: largest element size (default: that of the script)")
-    parser.add_argument("--proportional", action="store_true", help="with --size: all sizes of the script by one factor, so that its largest elements are of this size")
+    parser.add_argument("--size", type=positive, metavar="L", help="of a script: largest element size (default: that of the "
+        "script)")
+    parser.add_argument("--proportional", action="store_true", help="with --size: all sizes of the script by one factor, so that "
+        "its largest elements are of this size")
 
 
 def build(options):
@@ -46,11 +49,13 @@ def build(options):
         raise BadInput(f"cannot read '{source}': {problem.strerror}") from None
     if source.suffix == ".geo" and last.strip():
         raise BadInput(f"'{source}' ends without a newline; gmsh drops statements of its last line: add one")
-    return None, with_gmsh(lambda gmsh: read(gmsh, source, options.size, options.proportional), f"gmsh cannot make a mesh of '{source}'")
+    return None, with_gmsh(lambda gmsh: read(gmsh, source, options.size, options.proportional), f"gmsh cannot make a mesh of "
+        f"'{source}'")
 
 
 def proportional(gmsh, scale, factor, size):
-    """Sets gmsh's factor on all sizes so that the largest elements (of every twenty the largest) are of this size. Raises BadInput."""
+    """Sets gmsh's factor on all sizes so that the largest elements (of every twenty the largest) are of this size. Raises
+    BadInput."""
     gmsh.model.mesh.clear()  # of commands Mesh of the script
     gmsh.model.mesh.generate(2)
     points, triangles, _ = extracted(gmsh, [-1])
@@ -69,16 +74,19 @@ def require_triangles(gmsh, source, surfaces):
     for surface in surfaces:
         for kind in gmsh.model.mesh.getElementTypes(2, surface):
             if kind != TRIANGLE:
-                number, (name, _, _, nodes, *_) = len(gmsh.model.mesh.getElementsByType(kind, surface)[0]), gmsh.model.mesh.getElementProperties(kind)
+                number, (name, _, _, nodes, *_) = len(gmsh.model.mesh.getElementsByType(kind,
+                    surface)[0]), gmsh.model.mesh.getElementProperties(kind)
                 remedy = "Recombine" if name.startswith("Quad") else "Mesh.ElementOrder"
-                raise BadInput(f"'{source}' holds {number} {name.split()[0].lower()}s of {nodes} nodes; only triangles of three nodes are taken: leave out {remedy}")
+                raise BadInput(f"'{source}' holds {number} {name.split()[0].lower()}s of {nodes} nodes; only triangles of three "
+                    f"nodes are taken: leave out {remedy}")
 
 
 def read(gmsh, source, size, all_sizes=False):
     """The PlaneMesh of a file, meshed if it is a script; all_sizes: --proportional. Raises BadInput."""
     if all_sizes and not size:
         raise BadInput("--proportional needs --size")
-    if source.suffix == ".geo" and re.search(r"^[ \t]*Exit[ \t]*;", source.read_text(encoding="utf-8", errors="replace"), re.MULTILINE):
+    if source.suffix == ".geo" and re.search(r"^[ \t]*Exit[ \t]*;", source.read_text(encoding="utf-8", errors="replace"),
+        re.MULTILINE):
         raise BadInput(f"'{source}' has the command Exit, which ends the program before there is a mesh: take it out")
     gmsh.open(str(source))
     scale, surfaces = 1.0, [-1]
@@ -90,8 +98,10 @@ def read(gmsh, source, size, all_sizes=False):
     points, triangles, number = extracted(gmsh, surfaces)
     points *= scale
     if len(triangles) == 0:
-        raise BadInput(f"'{source}' holds no triangles of three nodes" + (": with --size none are taken of a mesh that a script merges" if size else
-                       ": gmsh writes what belongs to physical groups alone where there is one; add a Physical Surface and mesh it again" if source.suffix == ".msh" else ""))
+        raise BadInput(f"'{source}' holds no triangles of three nodes" + (": with --size none are taken of a mesh that a script "
+            "merges" if size else
+                       ": gmsh writes what belongs to physical groups alone where there is one; add a Physical Surface and mesh "
+                           "it again" if source.suffix == ".msh" else ""))
     if np.ptp(points[:, 2]) > 1e-9 * np.ptp(points[:, :2]):
         raise BadInput(f"'{source}' is not plane: z reaches from {points[:, 2].min():g} to {points[:, 2].max():g}")
     points = points[:, :2]
@@ -102,7 +112,8 @@ def read(gmsh, source, size, all_sizes=False):
 
 def meshed(gmsh, source, size, all_sizes):
     """Meshes an open script; its Mesh.ScalingFactor and the surfaces that gmsh would write ([-1]: all). Raises BadInput."""
-    scale, factor, largest, least, every = (gmsh.option.getNumber("Mesh." + name) for name in ("ScalingFactor", "MeshSizeFactor", "MeshSizeMax", "MeshSizeMin", "SaveAll"))
+    scale, factor, largest, least, every = (gmsh.option.getNumber("Mesh." + name) for name in ("ScalingFactor", "MeshSizeFactor",
+        "MeshSizeMax", "MeshSizeMin", "SaveAll"))
     if not (scale > 0 and factor > 0):
         raise BadInput(f"'{source}' has Mesh.ScalingFactor {scale:g} and Mesh.MeshSizeFactor {factor:g}: both must be above 0")
     if size and all_sizes:
@@ -121,7 +132,8 @@ def meshed(gmsh, source, size, all_sizes):
 
 
 def labels_of_edges(gmsh, source, points, number):
-    """{places of an edge: label} of the physical curves; number: of each node's tag, the point's (below 0: none). Raises BadInput."""
+    """{places of an edge: label} of the physical curves; number: of each node's tag, the point's (below 0: none). Raises
+    BadInput."""
     labels, outside = {}, 0
     for dimension, group in gmsh.model.getPhysicalGroups(1):
         label = number_of(gmsh.model.getPhysicalName(dimension, group), group, source)
@@ -131,7 +143,8 @@ def labels_of_edges(gmsh, source, points, number):
             outside += np.sum(ends.min(axis=1) < 0)
             for edge in map(places, points[ends[ends.min(axis=1) >= 0]]):
                 if labels.setdefault(edge, label) != label:
-                    raise BadInput(f"'{source}' has a side in two physical curves, of labels {labels[edge]} and {label}: name it once")
+                    raise BadInput(f"'{source}' has a side in two physical curves, of labels {labels[edge]} and {label}: name it "
+                        f"once")
     if outside:
         print(f"warning: {outside} edges of physical curves of '{source}' lie outside the domain and are left out", file=sys.stderr)
     return labels
@@ -157,10 +170,12 @@ def named(points, edges, labels, source):
     found = np.array([labels.get(edge, 0) for edge in sides])
     if np.any(found == 0):
         a, b = points[edges[found == 0][0]]
-        raise BadInput(f"{np.sum(found == 0)} boundary edges of '{source}' belong to no physical curve, the first from ({a[0]:g}, {a[1]:g}) to ({b[0]:g}, {b[1]:g}): name every side")
+        raise BadInput(f"{np.sum(found == 0)} boundary edges of '{source}' belong to no physical curve, the first from "
+            f"({a[0]:g}, {a[1]:g}) to ({b[0]:g}, {b[1]:g}): name every side")
     inner = set(labels).difference(sides)
     if inner:
         a, b = min(sorted(edge) for edge in inner)
-        print(f"warning: {len(inner)} edges of physical curves of '{source}' lie within the domain, one from ({a[0]:g}, {a[1]:g}) to ({b[0]:g}, {b[1]:g}), and are left out: "
+        print(f"warning: {len(inner)} edges of physical curves of '{source}' lie within the domain, one from ({a[0]:g}, "
+            f"{a[1]:g}) to ({b[0]:g}, {b[1]:g}), and are left out: "
               "a wall within the fluid needs two sides, cut it out as a thin hole", file=sys.stderr)
     return found

@@ -11,20 +11,25 @@ def add_options(parser):
     parser.add_argument("--size", type=positive, default=0.006, metavar="M", help="element size in the bulk (default %(default)g)")
     add_length(parser, "--radius", 0.1, "M", "half the height R of the pipe")
     add_length(parser, "--length", 1.0, "M", "length L of the pipe")
-    parser.add_argument("--diaphragm-position", type=number, default=0.3, metavar="M", help="x of the middle of its plates (default %(default)g)")
+    parser.add_argument("--diaphragm-position", type=number, default=0.3, metavar="M", help="x of the middle of its plates "
+        "(default %(default)g)")
     add_length(parser, "--diaphragm-thickness", 0.01, "M", "thickness of its plates")
-    parser.add_argument("--diaphragm-opening", type=number, default=0.1, metavar="M", help="free height between its plates (default %(default)g)")
+    parser.add_argument("--diaphragm-opening", type=number, default=0.1, metavar="M", help="free height between its plates "
+        "(default %(default)g)")
     parser.add_argument("--no-diaphragm", action="store_true", help="leave it away")
-    parser.add_argument("--obstacle-position", type=number, default=0.6, metavar="M", help="x of the tips of the triangles (default %(default)g)")
+    parser.add_argument("--obstacle-position", type=number, default=0.6, metavar="M", help="x of the tips of the triangles "
+        "(default %(default)g)")
     add_length(parser, "--obstacle-base", 0.1, "M", "their base on the wall")
     add_length(parser, "--obstacle-height", 0.04, "M", "their height")
     parser.add_argument("--no-obstacle", action="store_true", help="leave them away")
     grading = parser.add_argument_group("grading", "sizes as fractions of --size")
     add_length(grading, "--wall-factor", 0.67, "F", "size at walls, plates and triangles")
-    grading.add_argument("--wall-band", type=non_negative, default=0.0, metavar="M", help="distance from the wall over which that size holds (default %(default)g)")
+    grading.add_argument("--wall-band", type=non_negative, default=0.0, metavar="M", help="distance from the wall over which "
+        "that size holds (default %(default)g)")
     add_length(grading, "--throat-factor", 0.6, "F", "size in the throats")
     add_length(grading, "--layer-factor", 0.67, "F", "size in the shear layers behind the throats")
-    grading.add_argument("--layer-length", type=non_negative, default=0.25, metavar="M", help="length of these zones (default %(default)g)")
+    grading.add_argument("--layer-length", type=non_negative, default=0.25, metavar="M", help="length of these zones (default "
+        "%(default)g)")
     add_length(grading, "--growth", 0.15, "G", "growth of the size per distance")
 
 
@@ -35,7 +40,8 @@ def build(options):
     size = options.size
     starts, ends, _ = outline.sides()
     shortest, least = min(np.linalg.norm(ends - starts, axis=1)), 0.25 * size * options.wall_factor
-    require(shortest >= least, f"a side of the outline is {shortest:.3g} long, far shorter than the elements: ask for a --size below {4 * shortest / options.wall_factor:.2g} or leave more room")
+    require(shortest >= least, f"a side of the outline is {shortest:.3g} long, far shorter than the elements: ask for a --size "
+        f"below {4 * shortest / options.wall_factor:.2g} or leave more room")
     near = [
         SizeNear(outline.segments("wall", "diaphragm", "obstacle"), size * options.wall_factor, options.wall_band),
         *throats_and_layers(options),
@@ -50,8 +56,10 @@ def refuse_impossible(o):
     zones = []
     if not o.no_diaphragm:
         require(o.diaphragm_opening > 0, f"the diaphragm is closed: its opening is {o.diaphragm_opening:g}")
-        require(o.diaphragm_opening < 2 * o.radius, f"the opening of the diaphragm, {o.diaphragm_opening:g}, must be smaller than the pipe, {2 * o.radius:g} (--no-diaphragm leaves it away)")
-        require(o.size <= o.diaphragm_opening, f"the element size {o.size:g} is larger than the throat of the diaphragm, {o.diaphragm_opening:g}")
+        require(o.diaphragm_opening < 2 * o.radius, f"the opening of the diaphragm, {o.diaphragm_opening:g}, must be smaller "
+            f"than the pipe, {2 * o.radius:g} (--no-diaphragm leaves it away)")
+        require(o.size <= o.diaphragm_opening, f"the element size {o.size:g} is larger than the throat of the diaphragm, "
+            f"{o.diaphragm_opening:g}")
         half = o.diaphragm_thickness / 2
         zones.append(("diaphragm", o.diaphragm_position - half, o.diaphragm_position + half))
     if not o.no_obstacle:
@@ -59,11 +67,13 @@ def refuse_impossible(o):
         require(throat > 0, f"the obstacles meet: their height {o.obstacle_height:g} is not below half the pipe, {o.radius:g}")
         require(o.size <= throat, f"the element size {o.size:g} is larger than the throat between the obstacles, {throat:g}")
         least = 0.25 * o.size * o.wall_factor
-        require(o.obstacle_base >= least, f"the base of the obstacles, {o.obstacle_base:g}, is far shorter than the elements: at least {least:.2g}")
+        require(o.obstacle_base >= least, f"the base of the obstacles, {o.obstacle_base:g}, is far shorter than the elements: at "
+            f"least {least:.2g}")
         half = o.obstacle_base / 2
         zones.append(("obstacle", o.obstacle_position - half, o.obstacle_position + half))
     for name, start, end in zones:
-        require(0 < start and end < o.length, f"the {name} reaches from x = {start:g} to {end:g}, not within the pipe from 0 to {o.length:g}")
+        require(0 < start and end < o.length, f"the {name} reaches from x = {start:g} to {end:g}, not within the pipe from 0 to "
+            f"{o.length:g}")
     if len(zones) == 2:
         (_, start1, end1), (_, start2, end2) = sorted(zones, key=lambda zone: zone[1])
         require(end1 < start2, f"diaphragm and obstacle overlap between x = {start2:g} and {min(end1, end2):g}")

@@ -27,7 +27,8 @@ class SizeNear:
 
 
 def wake(start, end, y, size, growth, reach, coarsest, number=8):
-    """Pieces along a wake from x = start to end, each a little coarser than the one before: size at the start, plus growth times the
+    """Pieces along a wake from x = start to end, each a little coarser than the one before: size at the start, plus growth times
+    the
     distance from there, within `reach` of the line. Those that are no finer than `coarsest` are left out."""
     edges = [start + (end - start) * part / number for part in range(number + 1)]
     pieces = [SizeNear([((a, y), (b, y))], size + growth * (a - start), reach) for a, b in zip(edges, edges[1:])]
@@ -50,7 +51,8 @@ def triangulated(outline, size, near=(), growth=0.2, uniform=(), single=()):
         points, triangles, _ = extracted(gmsh, [surface])
         return finished(points[:, :2], triangles, partial(labels_on, outline=outline))
 
-    sizes = {"Mesh.MeshSizeExtendFromBoundary": 0, "Mesh.MeshSizeFromPoints": 0, "Mesh.MeshSizeFromCurvature": 0, "Mesh.Smoothing": 5}
+    sizes = {"Mesh.MeshSizeExtendFromBoundary": 0, "Mesh.MeshSizeFromPoints": 0, "Mesh.MeshSizeFromCurvature": 0,
+        "Mesh.Smoothing": 5}
     return with_gmsh(mesh, "gmsh cannot mesh this domain", sizes)
 
 
@@ -62,7 +64,8 @@ def with_gmsh(work, refusal, options=None):
     except (ImportError, OSError) as problem:
         raise BadInput(f"gmsh cannot be loaded ({problem}); make setup installs it") from None
     gmsh.initialize(readConfigFiles=False, interruptible=False)
-    watch = threading.Timer(PATIENCE, lambda: print(f"note: gmsh has been at work for {PATIENCE:g} s; where curves cross each other (a hole that reaches over a side) it never ends: "
+    watch = threading.Timer(PATIENCE, lambda: print(f"note: gmsh has been at work for {PATIENCE:g} s; where curves cross each "
+        f"other (a hole that reaches over a side) it never ends: "
                                                     "stop it and look at the geometry", file=sys.stderr, flush=True))
     watch.daemon = True
     watch.start()
@@ -86,7 +89,8 @@ def refuse_too_many(outline, size, near):
         length = sum(dist(a, b) for a, b in zone.segments)
         vertices += length * max(2 * zone.reach, zone.size) / (0.87 * zone.size**2)
     if vertices > MOST_VERTICES:
-        raise BadInput(f"these sizes would make about {vertices:.1e} vertices; at most {MOST_VERTICES:.0e} are made: ask for larger elements")
+        raise BadInput(f"these sizes would make about {vertices:.1e} vertices; at most {MOST_VERTICES:.0e} are made: ask for "
+            f"larger elements")
 
 
 def add_outline(gmsh, outline, size, uniform, single):
@@ -147,7 +151,8 @@ def set_sizes(gmsh, size, near, growth):
 
 
 def extracted(gmsh, surfaces):
-    """Points (n, 3) and triangles (m, 3) of meshed surfaces ([-1]: of all), numbered from 0, and the number of each node's tag (-1: of none of them)."""
+    """Points (n, 3) and triangles (m, 3) of meshed surfaces ([-1]: of all), numbered from 0, and the number of each node's tag (-1:
+    of none of them)."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     corners = np.concatenate([gmsh.model.mesh.getElementsByType(2, surface)[1] for surface in surfaces])
     used, triangles = np.unique(corners.astype(int), return_inverse=True)

@@ -28,19 +28,22 @@ def asked(levels, numbers=None):
     words, numbers = sys.argv[1:], numbers or {}
     try:
         problem, level, *further = words[0], int(words[1]), *map(float, words[2:])
-        if 0 <= level < levels[problem] and len(further) <= len(numbers.get(problem, ())) and all(1e-3 <= value <= 1e3 for value in further):
+        if 0 <= level < levels[problem] and len(further) <= len(numbers.get(problem, ())) and all(1e-3 <= value <= 1e3
+            for value in further):
             return problem, level, *further
     except (IndexError, KeyError, ValueError):
         pass
     name = os.path.splitext(os.path.basename(sys.argv[0]))[0]
-    forms = "; ".join(" ".join([problem, f"0 to {levels[problem] - 1}", *(f"[{word}]" for word in numbers.get(problem, ()))]) for problem in sorted(levels))
+    forms = "; ".join(" ".join([problem, f"0 to {levels[problem] - 1}", *(f"[{word}]" for word in numbers.get(problem, ()))])
+        for problem in sorted(levels))
     print(f"error: usage: python -m tools.peers.{name} PROBLEM LEVEL, which are {forms}", file=sys.stderr)
     sys.exit(3)
 
 
 def report(begin, unknowns, **numbers):
     """The line for tools.bench; begin: time.process_time() after the imports."""
-    print(json.dumps({"unknowns": int(unknowns), "cpu_s": time.process_time() - begin, **{k: float(v) for k, v in numbers.items()}}))
+    print(json.dumps({"unknowns": int(unknowns), "cpu_s": time.process_time() - begin, **{k: float(v) for k,
+        v in numbers.items()}}))
 
 
 def parabola(y, top):

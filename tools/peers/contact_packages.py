@@ -11,7 +11,8 @@ tighter and tighter tolerances until the residual, recomputed for all by one for
 What takes less than half a second is done five times, in rounds, and its median counts.
 The project's time holds everything: search, assembly, solution, check of the true gaps; its residual is
 recomputed by that formula too, and where it is not low enough there is no time.
-Leaves bench_contacts.csv and bench_contacts.png (one for each kind of packing, where there are two). Times are CPU seconds of this machine;
+Leaves bench_contacts.csv and bench_contacts.png (one for each kind of packing, where there are two). Times are CPU seconds of this
+machine;
 other work on it makes all of them longer.
 """
 import importlib
@@ -35,7 +36,8 @@ from tools.peers.contact_problems import constraints, packing, piqp, project, re
 PEERS = {"piqp": "0.6.4", "clarabel": "0.11.1", "scs": "3.3.1", "osqp": "1.1.3"}
 DT = 0.01
 WRITTEN = 1e-11  # mean radii: what the digits of impulses in a file leave of a residual
-COLUMNS = ["disks", "kind", "solver", "tolerance", "cpu_s", "residual", "steps", "constraints", "search_s", "warm_s", "memory_mb", "note"]
+COLUMNS = ["disks", "kind", "solver", "tolerance", "cpu_s", "residual", "steps", "constraints", "search_s", "warm_s", "memory_mb",
+    "note"]
 
 
 def install(names):
@@ -103,7 +105,8 @@ def run_peer(name, scene, rows, tol, limit):
     for eps in (10 * tol, tol, 0.1 * tol, 0.01 * tol, 1e-3 * tol, 1e-4 * tol):
         left = limit - (time.perf_counter() - begin)
         mine, theirs = multiprocessing.Pipe(False)
-        process = multiprocessing.get_context("fork").Process(target=attempt, args=(theirs, name, scene, rows, tol, eps, max(left, 1)))
+        process = multiprocessing.get_context("fork").Process(target=attempt, args=(theirs, name, scene, rows, tol, eps,
+            max(left, 1)))
         process.start()
         theirs.close()
         there = left > 0 and mine.poll(left)
@@ -124,7 +127,8 @@ def run_peer(name, scene, rows, tol, limit):
 def run_own(solver, scene, tol, limit):
     """The project's solver: cold time, and the time of a warm-started repetition."""
     try:
-        answer = project(scene, DT, tol, solver, repeat=2 if solver == "newton" else 1, limit=limit, options={"-contact-maxit": 10**7})
+        answer = project(scene, DT, tol, solver, repeat=2 if solver == "newton" else 1, limit=limit,
+            options={"-contact-maxit": 10**7})
     except BadInput as problem:
         return {"note": f"not in {limit:g} s" if "limit" in str(problem) else str(problem)[:60]}
     rows = constraints(scene, scene.reach(DT))
@@ -186,7 +190,8 @@ def write(found, folder):
 def pictures(found, folder):
     """A picture for each kind of packing."""
     kinds = list(dict.fromkeys(row["kind"] for row in found))
-    return [picture([row for row in found if row["kind"] == kind], folder, "bench_contacts" + (f"_{kind}" if len(kinds) > 1 else "")) for kind in kinds]
+    return [picture([row for row in found if row["kind"] == kind], folder, "bench_contacts" + (f"_{kind}" if len(kinds) > 1
+        else "")) for kind in kinds]
 
 
 def picture(found, folder, name="bench_contacts"):
@@ -197,7 +202,8 @@ def picture(found, folder, name="bench_contacts"):
     figure, panels = plt.subplots(1, len(tolerances), figsize=(PAGE_WIDTH, 4.2), sharey=True, squeeze=False, layout="constrained")
     for axes, tol in zip(panels[0], tolerances):
         for k, solver in enumerate(dict.fromkeys(row["solver"] for row in found)):
-            points = [(row["disks"], row["cpu_s"]) for row in found if row["solver"] == solver and row["tolerance"] == tol and row.get("cpu_s") is not None]
+            points = [(row["disks"], row["cpu_s"]) for row in found if row["solver"] == solver and row["tolerance"] == tol
+                and row.get("cpu_s") is not None]
             if points:
                 style = curve(k) if k < 6 else {"color": "#56b4e9", "linestyle": (0, (3, 3))}
                 axes.loglog(*zip(*points), marker=(MARKERS + "X")[k % 7], markersize=4, label=names.get(solver, solver), **style)
@@ -216,10 +222,12 @@ def main(words=None):
     """Run the benchmark."""
     options = Parser(prog="python -m tools.bench_contacts", description=__doc__)
     options.add_argument("--quick", action="store_true", help="500 and 5,000 disks only")
-    options.add_argument("--numbers", type=whole(1), nargs="+", metavar="N", help="numbers of disks (default 500 5000 20000 100000)")
+    options.add_argument("--numbers", type=whole(1), nargs="+", metavar="N", help="numbers of disks (default 500 5000 20000 "
+        "100000)")
     options.add_argument("--kinds", nargs="+", default=["random"], choices=["random", "gravity"], help="packings")
     options.add_argument("--peers", nargs="*", default=list(PEERS), choices=list(PEERS), help="packages to compare with")
-    options.add_argument("--limit", type=positive, default=120, help="most seconds of wall clock for a package and a residual (default 120)")
+    options.add_argument("--limit", type=positive, default=120, help="most seconds of wall clock for a package and a residual "
+        "(default 120)")
     options.add_argument("--tolerances", type=positive, nargs="+", default=[1e-8, 1e-10])
     options.add_argument("--out", metavar="DIR", default="results/bench_contacts", help="folder of CSV and figure")
     given = options.parse_args(words)

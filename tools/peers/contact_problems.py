@@ -48,7 +48,8 @@ class Scene:
         """bodies.csv and walls.csv in the folder, all digits."""
         folder = Path(folder)
         bodies = np.column_stack([self.ids, self.x, self.radius, self.mass, self.velocity])
-        np.savetxt(folder / "bodies.csv", bodies, fmt=["%d", *["%.17g"] * 6], delimiter=",", header="id,x,y,radius,mass,u,v", comments="")
+        np.savetxt(folder / "bodies.csv", bodies, fmt=["%d", *["%.17g"] * 6], delimiter=",", header="id,x,y,radius,mass,u,v",
+            comments="")
         np.savetxt(folder / "walls.csv", self.walls, fmt="%.17g", delimiter=",", header="x1,y1,x2,y2", comments="")
 
 
@@ -192,7 +193,8 @@ def read_contacts(path):
         return np.array([line.split(",") for line in stream.read().splitlines()[1:]], float).reshape(-1, 7)
 
 
-FIGURES = re.compile(r"disks (\d+), constraints (\d+), steps (\d+), factorisations (\d+), residual (\S+), least gap (\S+) m, time (\S+) s, search (\S+) s")
+FIGURES = re.compile(r"disks (\d+), constraints (\d+), steps (\d+), factorisations (\d+), residual (\S+), least gap (\S+) m, "
+    r"time (\S+) s, search (\S+) s")
 
 
 def project(scene, dt=0.01, tol=1e-10, solver="newton", repeat=1, options=None, limit=None):
@@ -213,7 +215,8 @@ def project(scene, dt=0.01, tol=1e-10, solver="newton", repeat=1, options=None, 
 
 
 def piqp(B, d, w, q0, eps, limit=None):
-    """(multipliers, iterations) of a problem in the form of `scaled` by the interior-point QP package piqp, which knows no limit of time."""
+    """(multipliers, iterations) of a problem in the form of `scaled` by the interior-point QP package piqp, which knows no limit of
+    time."""
     import piqp as package
     solver = package.SparseSolver()
     s = solver.settings

@@ -62,7 +62,8 @@ def middles(points):
 
 
 class Mesh:
-    """Quadrilaterals between x[i] and y[i, j], where `there`; inlet and outlet are its ends, `middle` its lowest line if mirrored."""
+    """Quadrilaterals between x[i] and y[i, j], where `there`; inlet and outlet are its ends, `middle` its lowest line if
+    mirrored."""
 
     def __init__(self, x, y, there, mirrored=False):
         nx, ny = there.shape
@@ -77,7 +78,8 @@ class Mesh:
         self.corners = np.column_stack([point[corner][there] for corner in corners])
         self.centre = self.points[self.corners].mean(axis=1)
         # edges as (from, to, cell, other cell): the normal, to the right of the edge, points to the other cell
-        upright, level = (point[:, :-1], point[:, 1:], cell[:-1, 1:-1], cell[1:, 1:-1]), (point[1:], point[:-1], cell[1:-1, :-1], cell[1:-1, 1:])
+        upright, level = (point[:, :-1], point[:, 1:], cell[:-1, 1:-1], cell[1:, 1:-1]), (point[1:], point[:-1], cell[1:-1, :-1],
+            cell[1:-1, 1:])
         edges = np.hstack([[part.ravel() for part in parts] for parts in (upright, level)]).T
         turned = edges[:, 2] < 0
         edges[turned] = edges[turned][:, [1, 0, 3, 2]]
@@ -107,8 +109,10 @@ class Mesh:
             patches.append(f"{name} {{ type {kinds.get(name, 'patch')}; nFaces {len(own)}; startFace {start}; }}")
             start += len(own)
         points = np.column_stack([np.tile(self.points, (2, 1)), np.repeat([0.0, depth], n)])
-        for name, kind, rows in (("points", "vectorField", points), ("faces", "faceList", [f"4({a} {b} {c} {d})" for a, b, c, d in faces]),
-                                 ("owner", "labelList", owner), ("neighbour", "labelList", self.inner[:, 3]), ("boundary", "polyBoundaryMesh", patches)):
+        for name, kind, rows in (("points", "vectorField", points), ("faces", "faceList", [f"4({a} {b} {c} {d})" for a, b, c,
+            d in faces]),
+                                 ("owner", "labelList", owner), ("neighbour", "labelList", self.inner[:, 3]),
+                                     ("boundary", "polyBoundaryMesh", patches)):
             dictionary(folder / name, kind, listed(rows))
 
 
@@ -130,7 +134,8 @@ def dictionary(path, kind, text):
 
 def read_field(path):
     """Values in the cells, (cells,) or (cells, 2)."""
-    kind, numbers = re.search(r"internalField\s+nonuniform List<(\w+)>\s*\d+\s*\((.*?)\n\)", path.read_text(encoding="utf-8"), re.DOTALL).groups()
+    kind, numbers = re.search(r"internalField\s+nonuniform List<(\w+)>\s*\d+\s*\((.*?)\n\)", path.read_text(encoding="utf-8"),
+        re.DOTALL).groups()
     values = np.array(re.sub(r"[()]", " ", numbers).split(), float)
     return values if kind == "scalar" else values.reshape(-1, 3)[:, :2]
 
@@ -142,26 +147,33 @@ def solve(flow, mesh, before, folder, most):
         start = [values[at] for values in before[1]]
     else:  # a uniform stream, nu_t = 0.01 U L
         k, one = 0.01 * flow.speed**2, np.ones(len(mesh.centre))
-        start = [flow.speed * np.column_stack([one, 0 * one]), 0 * one, k * one, CMU * k**2 / (0.01 * flow.speed * flow.scale) * one]
+        start = [flow.speed * np.column_stack([one, 0 * one]), 0 * one, k * one, CMU * k**2 / (0.01 * flow.speed * flow.scale)
+            * one]
     y = mesh.along("inlet")[1][:, 1]
     inlet = {"U": np.column_stack([flow.inlet(y), 0 * y]), "k": 0 * y + flow.k, "epsilon": CMU**0.75 * flow.k**1.5 / flow.mixing(y)}
     mesh.write(folder / "constant" / "polyMesh", 0.1 * flow.scale)
     inside = {**{name: field(values) for name, values in zip(FIELDS, start)}, "nut": "uniform 0"}
     for name, kinds in BOUNDARY.items():
-        kinds = {"inlet": f"fixedValue; value {field(inlet[name])}" if name in inlet else "", "middle": "symmetryPlane", "sides": "empty", **kinds}
+        kinds = {"inlet": f"fixedValue; value {field(inlet[name])}" if name in inlet else "", "middle": "symmetryPlane",
+            "sides": "empty", **kinds}
         patches = "\n".join(f"{patch} {{ type {kinds[patch]}; }}" for patch in [*mesh.patches, "sides"])
         dictionary(folder / "0" / name, "volVectorField" if name == "U" else "volScalarField",
                    f"dimensions [{DIMENSIONS[name]} 0 0 0 0];\ninternalField {inside[name]};\nboundaryField {{\n{patches}\n}}")
     dictionary(folder / "constant" / "transportProperties", "dictionary", f"transportModel Newtonian; nu {flow.nu:.12g};")
-    dictionary(folder / "constant" / "turbulenceProperties", "dictionary", "simulationType RAS; RAS { RASModel kEpsilon; turbulence on; printCoeffs on; }")
+    dictionary(folder / "constant" / "turbulenceProperties", "dictionary", "simulationType RAS; RAS { RASModel kEpsilon; "
+        "turbulence on; printCoeffs on; }")
     for name, text in SYSTEM.items():
-        dictionary(folder / "system" / name, "dictionary", text.format(most=most, every=most // SHARE, kept=KEPT, tolerance=TOLERANCE))
-    environment = {"WM_PROJECT_DIR": "/usr/share/openfoam", **os.environ, "PWD": str(folder)}  # where Debian's package has its settings
-    done = subprocess.run(["simpleFoam"], cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+        dictionary(folder / "system" / name, "dictionary", text.format(most=most, every=most // SHARE, kept=KEPT,
+            tolerance=TOLERANCE))
+    # where Debian's package has its settings
+    environment = {"WM_PROJECT_DIR": "/usr/share/openfoam", **os.environ, "PWD": str(folder)}
+    done = subprocess.run(["simpleFoam"], cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        check=False)
     (folder / "log").write_text(done.stdout, encoding="utf-8")
     if done.returncode:
         raise BadInput(f"simpleFoam ended with status {done.returncode}, its last words: {done.stdout[-300:]}")
     residual = max(float(value) for value in re.findall(r"Initial residual = (\S+?),", done.stdout.rsplit("\nTime = ", 1)[1]))
     times = sorted(int(path.name) for path in folder.iterdir() if path.name.isdigit() and path.name != "0")
-    states = [[read_field(folder / str(time) / name) for name in FIELDS] for time in (times if residual > TOLERANCE else times[-1:])]
+    states = [[read_field(folder / str(time) / name) for name in FIELDS] for time in (times if residual > TOLERANCE
+        else times[-1:])]
     return states, times[-1], residual, float(re.findall(r"ExecutionTime = (\S+)", done.stdout)[-1])

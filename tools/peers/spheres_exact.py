@@ -140,7 +140,8 @@ def path(flow, start, end, radius, density, rho=1000.0, mu=0.001, g=9.81, law="c
         turn = 8 * np.pi * mu * radius**3 * (omega / 2 - Omega) / (0.4 * m_p * radius**2) if magnus else 0.0
         mass = m_p + added * m_f
         return [U, V, fx / mass, fy / mass, turn]
-    found = solve_ivp(change, (0, end), start, method="Radau" if law and rtol <= 1e-9 and stiff(radius, density, rho, mu, end) else "DOP853", rtol=rtol, atol=1e-13)
+    found = solve_ivp(change, (0, end), start, method="Radau" if law and rtol <= 1e-9 and stiff(radius, density, rho, mu, end)
+        else "DOP853", rtol=rtol, atol=1e-13)
     return found.y[:, -1]
 
 
@@ -155,7 +156,8 @@ def dispersion(t, sigma, lagrangian):
 
 
 def inertial(t, sigma, lagrangian, tau):
-    """Variances of place (m2) and velocity (m2/s2) of a sphere that starts at rest in stationary turbulence, its drag linear: those of (w, U, X), a linear system."""
+    """Variances of place (m2) and velocity (m2/s2) of a sphere that starts at rest in stationary turbulence, its drag linear: those
+    of (w, U, X), a linear system."""
     rates = np.array([[-1 / lagrangian, 0, 0], [1 / tau, -1 / tau, 0], [0, 1, 0]])
 
     def change(_, parts):

@@ -54,14 +54,17 @@ class Grid:
         west, east, south, north = self.at(a - 1, b), self.at(a + 1, b), self.at(a, b - 1), self.at(a, b + 1)
         back, ahead = self.x[a] - self.x[a - 1], self.x[a + 1] - self.x[a]
         both = back + ahead
-        self.along = self.matrix((here, west, -ahead / (back * both)), (here, here, (ahead - back) / (back * ahead)), (here, east, back / (ahead * both)))
+        self.along = self.matrix((here, west, -ahead / (back * both)), (here, here, (ahead - back) / (back * ahead)),
+            (here, east, back / (ahead * both)))
         self.across = self.matrix((here, south, -0.5 / step), (here, north, 0.5 / step))
-        self.laplace = self.matrix((here, west, 2 / (back * both)), (here, east, 2 / (ahead * both)), (here, here, -2 / (back * ahead) - 2 / step**2),
+        self.laplace = self.matrix((here, west, 2 / (back * both)), (here, east, 2 / (ahead * both)),
+            (here, here, -2 / (back * ahead) - 2 / step**2),
                                    (here, south, 1 / step**2), (here, north, 1 / step**2))
         free, before = self.at(i[self.outlet], j[self.outlet]), self.at(i[self.outlet] - 1, j[self.outlet])
         self.free = self.matrix((free, free, 1.0), (free, before, -1.0))  # nothing changes along x there
         # vorticity at the walls (Thom): omega = -2 (psi inside - psi on the wall)/distance^2; the step's edge has two faces
-        faces = [(self.upper, 0, -1, step), (self.lower & (j == 0), 0, 1, step), (self.lower & (j == cells), 0, 1, step), (self.lower & (i == edge), 1, 0, self.x[edge + 1])]
+        faces = [(self.upper, 0, -1, step), (self.lower & (j == 0), 0, 1, step), (self.lower & (j == cells), 0, 1, step),
+            (self.lower & (i == edge), 1, 0, self.x[edge + 1])]
         shares = sum(face.astype(float) for face, *_ in faces)
         entries = []
         for face, right, up, distance in faces:
@@ -87,12 +90,14 @@ class Grid:
         viscosity, n = 2 / reynolds, self.size
         poisson, held = self.laplace + self.fixed + self.free, self.fixed + self.free
         if state is None:  # slow flow
-            state = splu(sp.bmat([[poisson, self.inner], [self.slip, self.laplace + held]]).tocsc()).solve(np.concatenate([self.psi, self.omega]))
+            state = splu(sp.bmat([[poisson, self.inner],
+                [self.slip, self.laplace + held]]).tocsc()).solve(np.concatenate([self.psi, self.omega]))
         for _ in range(40):
             psi, omega = state[:n], state[n:]
             u, v, ox, oy = self.across @ psi, -(self.along @ psi), self.along @ omega, self.across @ omega
             carried = viscosity * self.laplace - sp.diags(u) @ self.along - sp.diags(v) @ self.across
-            residual = np.concatenate([poisson @ psi + self.inner @ omega - self.psi, carried @ omega + held @ omega + self.slip @ psi - self.omega])
+            residual = np.concatenate([poisson @ psi + self.inner @ omega - self.psi, carried @ omega + held @ omega + self.slip
+                @ psi - self.omega])
             pulled = sp.diags(oy) @ self.along - sp.diags(ox) @ self.across + self.slip
             change = splu(sp.bmat([[poisson, self.inner], [pulled, carried + held]]).tocsc()).solve(residual)
             largest = np.abs(change[:n]).max()
@@ -123,7 +128,8 @@ class Grid:
 
 def main():
     parser = Parser(prog="python -m tools.peers.step_by_differences", description=__doc__)
-    parser.add_argument("cells", metavar="CELLS", type=whole(15), nargs="*", default=[20, 30, 45], help="cells in a step height, at least 15 (default 20 30 45)")
+    parser.add_argument("cells", metavar="CELLS", type=whole(15), nargs="*", default=[20, 30, 45],
+        help="cells in a step height, at least 15 (default 20 30 45)")
     cells = sorted(parser.parse_args().cells)
     if len(set(cells)) < len(cells):
         raise BadInput("CELLS are different numbers")

@@ -9,7 +9,8 @@ fluid inside which is accelerated with the last step's acceleration (of an ellip
   settling   cases/settling_disk.edp up to 0.4 s: mean velocity over 0.3 to 0.4 s, cm/s
   fast       the same with rho_s = 1.5 g/cm3, mu = 0.01 g/(cm s): largest Reynolds number, with rho_s
   two        cases/drafting_kissing_tumbling.edp up to 0.15 s, before the disks touch: heights, cm
-  drift      cases/couette_disk.edp (period 1, lengths in the distance H of the plates, speeds in theirs): heights at t U/H = 10, 20 ... 60
+  drift      cases/couette_disk.edp (period 1, lengths in the distance H of the plates, speeds in theirs): heights at t U/H = 10, 20
+  ... 60
              and the largest distance of the path up to there from that of Feng et al. (1994)
   ellipse    cases/ellipse_in_shear.edp (rates in that of the shear): time of half a turn, angular velocity at t G = 1, 3 ... 9
 A level is cells across the diameter (the minor axis of the ellipse) and the speed on the lattice that stands for that of the scene,
@@ -35,7 +36,8 @@ from pystencils.slicing import slice_from_direction
 
 @dataclass
 class Scene:
-    """Disks that start at rest: centres (cm), density over the fluid's, nu (cm2/s), a speed (cm/s), an end (s); the box (cm), gravity (cm/s2).
+    """Disks that start at rest: centres (cm), density over the fluid's, nu (cm2/s), a speed (cm/s), an end (s); the box (cm),
+    gravity (cm/s2).
 
     shear: rate (1/s) of a flow between plates that move against each other, periodic along them; 0: a closed box.
     diameter: cm, of an ellipse the minor axis; aspect: major over minor axis, the major one upright at the start.
@@ -57,12 +59,15 @@ class Scene:
 SCENES = {"settling": Scene(((1.0, 4.0),), 1.25, 0.1, 5.6, 0.4, ((6, 0.04), (8, 0.04), (12, 0.04), (16, 0.04))),
           "fast": Scene(((1.0, 4.0),), 1.5, 0.01, 14.0, 0.35, ((16, 0.03), (24, 0.03), (32, 0.03), (48, 0.03))),
           "two": Scene(((1.0005, 4.5), (0.9995, 5.0)), 1.5, 0.01, 14.0, 0.1501, ((16, 0.03), (24, 0.03), (32, 0.03), (48, 0.03))),
-          "drift": Scene(((0.5, 0.25),), 1.0, 1 / 40, 0.5, 60.0, ((8, 0.03), (12, 0.03), (16, 0.03), (24, 0.03)), size=(1.0, 1.0), gravity=0.0, shear=1.0),
-          "ellipse": Scene(((1.0, 0.5),), 1.0, 0.04, 0.5, 10.0, ((8, 0.02), (12, 0.015), (16, 0.0125), (24, 0.01)), size=(2.0, 1.0), gravity=0.0, shear=1.0, diameter=0.1, aspect=2.0)}
+          "drift": Scene(((0.5, 0.25),), 1.0, 1 / 40, 0.5, 60.0, ((8, 0.03), (12, 0.03), (16, 0.03), (24, 0.03)), size=(1.0, 1.0),
+              gravity=0.0, shear=1.0),
+          "ellipse": Scene(((1.0, 0.5),), 1.0, 0.04, 0.5, 10.0, ((8, 0.02), (12, 0.015), (16, 0.0125), (24, 0.01)),
+              size=(2.0, 1.0), gravity=0.0, shear=1.0, diameter=0.1, aspect=2.0)}
 
 
 class Lattice:
-    """The box of nx by ny cells, kernels compiled; the fields of the disk are zero, the fluid at rest or sheared by `shear` a cell and step."""
+    """The box of nx by ny cells, kernels compiled; the fields of the disk are zero, the fluid at rest or sheared by `shear` a cell
+    and step."""
 
     def __init__(self, nx, ny, rate, shear):
         self.nx = nx
@@ -76,7 +81,8 @@ class Lattice:
                           object_force_field=force)
         config = LBMConfig(stencil=LBStencil(Stencil.D2Q9), method=Method.TRT, relaxation_rate=rate, compressible=False,
                            zero_centered=True, psm_config=cells)
-        rule = create_lb_update_rule(lbm_config=config, lbm_optimisation=LBMOptimisation(symbolic_field=source, symbolic_temporary_field=target))
+        rule = create_lb_update_rule(lbm_config=config, lbm_optimisation=LBMOptimisation(symbolic_field=source,
+            symbolic_temporary_field=target))
         self.kernel = ps.create_kernel(rule, ps.CreateKernelConfig(target=ps.Target.CPU)).compile()
         self.walls = LatticeBoltzmannBoundaryHandling(rule.method, self.data, "source", name="walls")
         for side in "NSEW" if shear == 0 else "":
@@ -140,7 +146,8 @@ class Disk:
     def cover(self, lattice, relaxation):
         """Sets the solid share and velocity of the cells round the centre (cell centres at whole numbers and a half)."""
         corner = np.floor(self.x).astype(int) - self.reach
-        self.rx, self.ry = np.meshgrid(*(np.arange(c, c + 2 * self.reach + 1) + 0.5 - centre for c, centre in zip(corner, self.x)), indexing="ij")
+        self.rx, self.ry = np.meshgrid(*(np.arange(c, c + 2 * self.reach + 1) + 0.5 - centre for c, centre in zip(corner, self.x)),
+            indexing="ij")
         share = covered(self.rx, self.ry, self.major, self.minor, self.theta)
         self.own = share > 0
         along, across = (np.arange(c, c + 2 * self.reach + 1) for c in corner)
@@ -162,7 +169,8 @@ class Disk:
 
 
 def fall(scene, level, factor=1.0):
-    """Times (n), centres and velocities (n, disks, 2) in s and cm, angles (n, disks), the number of cells and time.process_time() after compilation."""
+    """Times (n), centres and velocities (n, disks, 2) in s and cm, angles (n, disks), the number of cells and time.process_time()
+    after compilation."""
     cells, speed = scene.levels[level]
     speed *= factor
     h = scene.diameter / cells
@@ -207,7 +215,8 @@ def found(name, t, x, v, angle):
         return {f"y_{at}": np.interp(at, t, x[:, 0, 1]) for at in range(10, 61, 10)} | {"off_feng": off.max()}
     if name == "ellipse":
         rate = -np.gradient(angle[:, 0], t)
-        return {"half_turn": np.interp(np.pi, np.pi / 2 - angle[:, 0], t)} | {f"omega_{at}": np.interp(at, t, rate) for at in range(1, 10, 2)}
+        return {"half_turn": np.interp(np.pi, np.pi / 2 - angle[:, 0], t)} | {f"omega_{at}": np.interp(at, t, rate)
+            for at in range(1, 10, 2)}
     return {"leading_y": np.interp(0.15, t, x[:, 0, 1]), "trailing_y": np.interp(0.15, t, x[:, 1, 1])}
 
 

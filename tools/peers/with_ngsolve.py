@@ -129,7 +129,8 @@ def unsteady(level):
         rate.data = (1 + 0.5 * later) / step * state.vec - (1 + later) / step * now + 0.5 * later / step * last
         last.data, now.data, c1.data = now, state.vec, c
         C.Apply(now, c)
-        rows.append([(n + 1) * step] + [-20 * (InnerProduct(m, rate) + InnerProduct(a, now) + InnerProduct(f, c)) for f, m, a in tests])
+        rows.append([(n + 1) * step] + [-20 * (InnerProduct(m, rate) + InnerProduct(a, now) + InnerProduct(f, c)) for f, m,
+            a in tests])
         if not np.isfinite(rows[-1][1]):
             print("error: no longer finite; a smaller step is needed")
             raise SystemExit(4)
@@ -140,7 +141,8 @@ def unsteady(level):
 def cavity(level):
     number = [12, 20, 32][level]
     begin = time.process_time()
-    mesh = MakeStructured2DMesh(quads=False, nx=number, ny=number, mapping=lambda a, b: (float(towards_walls(a)), float(towards_walls(b))))
+    mesh = MakeStructured2DMesh(quads=False, nx=number, ny=number, mapping=lambda a, b: (float(towards_walls(a)),
+        float(towards_walls(b))))
     space, stokes, convection, _ = spaces(mesh, 3, "left|right|bottom|top")
     state = GridFunction(space)
     flow = state.components[0]
@@ -179,5 +181,6 @@ def step(level):
 
 PROBLEMS = {"2d1": steady, "2d2": unsteady, "cavity": cavity, "step": step}
 if __name__ == "__main__":
-    problem, *further = asked({"2d1": 3, "2d2": 3, "cavity": 3, "step": 2}, {"2d1": ["SIZE of the elements over the level's", "ORDER of the velocity, 2 to 8"]})
+    problem, *further = asked({"2d1": 3, "2d2": 3, "cavity": 3, "step": 2}, {"2d1": ["SIZE of the elements over the level's",
+        "ORDER of the velocity, 2 to 8"]})
     PROBLEMS[problem](*further)

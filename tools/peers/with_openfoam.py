@@ -26,7 +26,8 @@ CELLS = {"step": [8, 16, 32], "driver": [8, 16], "pipe": [20, 40], "slit": [8, 1
 
 
 class Flow:
-    """A flow: speed and scale, m/s, m; k and mixing length of the inlet; walls at bottom and top of it; the shortest zone counted."""
+    """A flow: speed and scale, m/s, m; k and mixing length of the inlet; walls at bottom and top of it; the shortest zone
+    counted."""
     density = speed = scale = 1.0
     mirrored = False
 
@@ -63,7 +64,8 @@ class Flow:
         drop = (p[first] - 2 / 3 * self.k) @ wide / wide.sum() + 2 / 3 * k[last] @ high / high.sum()
         cell, _, _, length, distance = mesh.along("wall")
         plus = CMU**0.25 * k[cell] ** 0.5 * distance / self.nu
-        return {"pressure_drop": self.density * drop, "head_loss": self.density * loss, "loss_coefficient": loss / (0.5 * (flux.sum() / wide.sum()) ** 2),
+        return {"pressure_drop": self.density * drop, "head_loss": self.density * loss, "loss_coefficient": loss
+            / (0.5 * (flux.sum() / wide.sum()) ** 2),
                 "speed_most": (u**2).sum(axis=1).max() ** 0.5, "flux_defect": out.sum() / flux.sum() - 1,
                 "y_plus_least": plus.min(), "y_plus_mean": plus @ length / length.sum(), "y_plus_most": plus.max()}
 
@@ -77,11 +79,13 @@ class Step(Flow):
 
     def mesh(self, n):
         x = joined(-graded(20, 1 / n, 1 + 0.3 / n)[::-1], graded(25, 1 / n, 1 + 0.15 / n))
-        y = joined(np.linspace(-1, 0, n + 1), from_both_ends(self.top, 1 / n, 1 + 0.3 / n) if self.top > 4 else graded(self.top, 1 / n))
+        y = joined(np.linspace(-1, 0, n + 1), from_both_ends(self.top, 1 / n, 1 + 0.3 / n) if self.top > 4 else graded(self.top,
+            1 / n))
         return Mesh(x, np.tile(y, (len(x), 1)), (middles(x)[:, None] > 0) | (middles(y) > 0))
 
     def results(self, mesh, u, p, k):
-        zone = max((zone for zone in self.zones(mesh, u, -1) if zone[1] > 0), key=lambda zone: zone[1] - zone[0], default=(np.nan, np.nan))
+        zone = max((zone for zone in self.zones(mesh, u, -1) if zone[1] > 0), key=lambda zone: zone[1] - zone[0],
+            default=(np.nan, np.nan))
         away = np.abs(mesh.centre[:, 0] + 1)
         at = np.flatnonzero(away == away.min())  # a column of cells, upwards
         half = 0.5 * self.top
@@ -100,7 +104,8 @@ class Pipe(Flow):
 
     def mesh(self, n):
         size, (_, a, b, tall), (_, c, d, high) = self.top / n, *self.bodies
-        x = joined(a - graded(a, size, 1.02, 2 * size)[::-1], a + graded(b - a, size), b + from_both_ends(c - b, size, 1.02, 1.5 * size),
+        x = joined(a - graded(a, size, 1.02, 2 * size)[::-1], a + graded(b - a, size), b + from_both_ends(c - b, size, 1.02,
+            1.5 * size),
                    c + from_both_ends(d - c, size), d + graded(1 - d, size, 1.02, 2 * size))
         level, radius = np.linspace(-1, 1, 2 * n + 1), self.top - high * np.clip(1 - np.abs(2 * x - c - d) / (d - c), 0, 1)
         closed = (np.abs(middles(x) - 0.5 * (a + b)) < 0.5 * (b - a))[:, None] & (np.abs(middles(level)) > 1 - tall / self.top)
@@ -110,7 +115,8 @@ class Pipe(Flow):
         found = {}
         for (body, start, to, tall), limit in zip(self.bodies, (self.bodies[1][1], np.inf)):
             for side, name in ((-1, "lower"), (1, "upper")):
-                behind = [zone for zone in self.zones(mesh, u, side) if start - 0.1 * tall < zone[0] < min(to + 2 * tall, limit) and zone[1] > to]
+                behind = [zone for zone in self.zones(mesh, u, side) if start - 0.1 * tall < zone[0] < min(to + 2 * tall, limit)
+                    and zone[1] > to]
                 found[f"{body}_{name}_length"] = max(behind, key=lambda zone: zone[1] - zone[0], default=(0, np.nan))[1] - to
         return found
 
@@ -133,15 +139,18 @@ class Slit(Flow):
         fastest = u[cell[(place[:, 0] > 0) & (place[:, 0] < 2)], 0].max()
         mises = np.interp(self.opening, np.arange(9) / 10, (0.611, 0.612, 0.616, 0.622, 0.631, 0.644, 0.662, 0.687, 0.722))
         ends = [zone[1] for zone in self.zones(mesh, u, 1) if zone[0] > 0]
-        return {"contraction": 1 / (self.opening * fastest), "reattachment_over_step": (ends[-1] - self.plate) / (self.top - self.half) if ends else np.nan,
+        return {"contraction": 1 / (self.opening * fastest), "reattachment_over_step": (ends[-1] - self.plate)
+            / (self.top - self.half) if ends else np.nan,
                 "loss_over_borda_carnot": self.losses(mesh, u, p, k)["loss_coefficient"] / (1 / (mises * self.opening) - 1) ** 2}
 
 
 def main():
     parser = Parser(prog="python -m tools.peers.with_openfoam", description=__doc__)
     parser.add_argument("flow", choices=list(CELLS), help="which flow")
-    parser.add_argument("cells", metavar="CELLS", type=int, nargs="*", help="cells in a step height, the radius or half the slit (default: two or three)")
-    parser.add_argument("--opening", type=float, default=0.5, metavar="M", help="height of the slit over that of the channel (default %(default)g)")
+    parser.add_argument("cells", metavar="CELLS", type=int, nargs="*", help="cells in a step height, the radius or half the slit "
+        "(default: two or three)")
+    parser.add_argument("--opening", type=float, default=0.5, metavar="M", help="height of the slit over that of the channel "
+        "(default %(default)g)")
     parser.add_argument("--most", type=int, default=2000, metavar="N", help="most iterations (default %(default)d)")
     parser.add_argument("--keep", metavar="FOLDER", type=Path, help="keep OpenFOAM's input and output there")
     given = parser.parse_args()
@@ -152,7 +161,8 @@ def main():
         raise BadInput("CELLS are different whole numbers from 4 on, even ones in the pipe")
     if not 0.15 <= given.opening <= 0.8 or given.most < SHARE:
         raise BadInput(f"--opening lies within 0.15 and 0.8, --most is at least {SHARE}")
-    flow = {"step": lambda: Step(1.5, 44000), "driver": lambda: Step(1.125, 37500), "pipe": Pipe, "slit": lambda: Slit(given.opening)}[given.flow]()
+    flow = {"step": lambda: Step(1.5, 44000), "driver": lambda: Step(1.125, 37500), "pipe": Pipe,
+        "slit": lambda: Slit(given.opening)}[given.flow]()
     before, chain = None, list(cells)
     while chain[0] >= 12:  # a uniform stream is a start for a coarse mesh only
         chain.insert(0, chain[0] // 4 * 2)
@@ -167,7 +177,8 @@ def main():
                 continue
             found = [{**flow.results(mesh, *state[:3]), **flow.losses(mesh, *state[:3])} for state in states]
             first = [next(iter(each.values())) for each in found]
-            row = {"cells": n, "cells_in_all": len(mesh.centre), "iterations": iterations, "residual": residual, "spread": max(first) - min(first),
+            row = {"cells": n, "cells_in_all": len(mesh.centre), "iterations": iterations, "residual": residual,
+                "spread": max(first) - min(first),
                    **{name: np.mean([each[name] for each in found]) for name in found[0]}, "cpu_s": seconds}
             if n == cells[0]:
                 print(",".join(row))

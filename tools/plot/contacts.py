@@ -60,8 +60,10 @@ class ContactRun(RunFolder):
         part = slice(self._starts[1][k], self._starts[1][k + 1])
         columns = {name: values[part] for name, values in self.particles.items()}
         if any(self.period):
-            rows = self.images(np.column_stack([np.arange(len(columns["x"])), *(columns[name] for name in ("x", "y", "theta", "radius", "radius"))]))
-            columns = {name: values[rows[:, 0].astype(int)] for name, values in columns.items()} | {"x": rows[:, 1], "y": rows[:, 2]}
+            rows = self.images(np.column_stack([np.arange(len(columns["x"])), *(columns[name] for name in ("x", "y", "theta",
+                "radius", "radius"))]))
+            columns = {name: values[rows[:, 0].astype(int)] for name, values in columns.items()} | {"x": rows[:, 1],
+                "y": rows[:, 2]}
         columns["speed"] = np.hypot(columns["u"], columns["v"])
         return columns
 
@@ -73,7 +75,8 @@ class ContactRun(RunFolder):
         y0, y1 = (p["y"] - p["radius"]).min(), (p["y"] + p["radius"]).max()
         room = 0.02 * max(x1 - x0, y1 - y0)
         sides = [(x0 - room, x1 + room), (y0 - room, y1 + room)]
-        (x0, x1), (y0, y1) = [(low, low + period) if period > 0 else side for side, low, period in zip(sides, self.low, self.period)]
+        (x0, x1), (y0, y1) = [(low, low + period) if period > 0 else side for side, low, period in zip(sides, self.low,
+            self.period)]
         return x0, x1, y0, y1
 
     @cached_property
@@ -96,7 +99,8 @@ def chosen(run, number=7):
 
 def draw(axes, run, frame, speed=None):
     """Walls and disks; with `speed` (LogNorm) disks are filled by it. Returns the disks."""
-    axes.add_collection(LineCollection(run.walls_at(frame["t"][0]), color="black", linewidth=1.0, capstyle="round", zorder=4, label="walls"))
+    axes.add_collection(LineCollection(run.walls_at(frame["t"][0]), color="black", linewidth=1.0, capstyle="round", zorder=4,
+        label="walls"))
     width = 2 * frame["radius"]
     thin = 0.4 if len(width) < 1000 else 0.1
     disks = EllipseCollection(width, width, np.zeros(len(width)), units="xy", offsets=np.column_stack([frame["x"], frame["y"]]),
@@ -141,7 +145,8 @@ def plot_frames(run, path, times=None):
             direction = np.column_stack([frame["u"], frame["v"]])[moving] / frame["speed"][moving, None]
             reach = 1.6 * frame["radius"][moving]
             right.quiver(frame["x"][moving], frame["y"][moving], reach * direction[:, 0], reach * direction[:, 1], color="black",
-                         angles="xy", scale_units="xy", scale=1, width=0.008, headwidth=4, headlength=4.5, headaxislength=4, zorder=5)
+                         angles="xy", scale_units="xy", scale=1, width=0.008, headwidth=4, headlength=4.5, headaxislength=4,
+                             zorder=5)
         left.set_title(time_text(run.times[places[cell]], run.units["time"], run.times[places[-1]]), loc="left", pad=2)
         last = cell + 2 >= len(places)
         for axis in (left, right):
@@ -177,7 +182,8 @@ def plot_chains(run, path):
         raise BadInput(f"{run.folder / 'contacts.csv'} names particle {strange[0]} at t = {t:g}, where particles.csv has none")
     i = np.array([place[int(a)] for a in contacts["i"][now]])
     motion = run.columns("motion")
-    j, step = contacts["j"][now].astype(int), motion["t"][-1] / max(motion["step"][-1], 1)  # -dt is shortened to a whole part of -tend
+    # -dt is shortened to a whole part of -tend
+    j, step = contacts["j"][now].astype(int), motion["t"][-1] / max(motion["step"][-1], 1)
     if not step > 0:
         raise BadInput(f"{run.folder / 'motion.csv'} has no row behind the start: impulses of contacts need a step to be forces")
     force = contacts["impulse"][now] / step
@@ -193,10 +199,12 @@ def plot_chains(run, path):
     draw(axes, run, frame)
     axes.set_ylim(y0, y1)
     thick = 4.0 if len(force) < 1000 else 1.6
-    lines = LineCollection(np.stack([a, b], axis=1), linewidths=0.3 + thick * force / force.max(), cmap=FIELD_MAP, array=force, zorder=6, capstyle="round")
+    lines = LineCollection(np.stack([a, b], axis=1), linewidths=0.3 + thick * force / force.max(), cmap=FIELD_MAP, array=force,
+        zorder=6, capstyle="round")
     axes.add_collection(lines)
     figure.colorbar(lines, ax=axes, shrink=0.8).set_label(f"normal force per depth ({run.units_per_depth['force']})")
-    axes.set(xlabel=f"x ({run.units['length']})", ylabel=f"y ({run.units['length']})", title=f"{run.title}: forces at {time_text(t, run.units['time'])}")
+    axes.set(xlabel=f"x ({run.units['length']})", ylabel=f"y ({run.units['length']})",
+        title=f"{run.title}: forces at {time_text(t, run.units['time'])}")
     return save(figure, path)
 
 
@@ -208,7 +216,8 @@ def plot_energy(run, path):
     fallen = motion["potential_energy"] - motion["potential_energy"].min()
     floor = 1e-6 * max(motion["kinetic_energy"].max(), fallen.max(), 1e-300)
     for k, (values, name) in enumerate(((motion["kinetic_energy"], "kinetic"), (fallen, "potential, above its least"))):
-        top.semilogy(t, np.maximum(values, 0.01 * floor), label=name, **curve(k))  # what is less than the floor, 0 too, leaves the picture below
+        # what is less than the floor, 0 too, leaves the picture below
+        top.semilogy(t, np.maximum(values, 0.01 * floor), label=name, **curve(k))
     top.set_ylim(bottom=floor)
     top.set_ylabel(f"energy per depth\n({run.units_per_depth['energy']})")
     top.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)  # a run that ends before rest has curves everywhere
@@ -237,7 +246,8 @@ def shots(run, places):
     disks = draw(axes, run, run.frame(places[0]), norm)
     axes.set(xlabel=f"x ({run.units['length']})", ylabel=f"y ({run.units['length']})")
     edge = (0.8 + (x1 - x0) * scale) / size[0]
-    figure.colorbar(disks, cax=figure.add_axes((edge, 0.25, 0.13 / size[0], 0.5)), extend="min").set_label(f"speed ({run.units_per_depth['speed']})")
+    figure.colorbar(disks, cax=figure.add_axes((edge, 0.25, 0.13 / size[0], 0.5)),
+        extend="min").set_label(f"speed ({run.units_per_depth['speed']})")
     for k in places:
         frame = run.frame(k)
         if any(run.period):  # copies come and go
@@ -276,7 +286,8 @@ def main(words=None):
         raise BadInput(f"{run.folder / 'motion.csv'} has no rows: nothing to draw")
     for t in given.times or []:
         if not run.times[0] - 1e-9 <= t <= run.times[-1] * (1 + 1e-9):
-            raise BadInput(f"--times: {t:g} is not between {run.times[0]:g} and {run.times[-1]:g} {run.units['time']}, the end of the run")
+            raise BadInput(f"--times: {t:g} is not between {run.times[0]:g} and {run.times[-1]:g} {run.units['time']}, the end "
+                f"of the run")
     run.warn_unfinished()
     out = Path(given.out or given.run)
     out.mkdir(parents=True, exist_ok=True)

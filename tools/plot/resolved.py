@@ -13,7 +13,8 @@ from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from tools.base.command import BadInput, Parser, whole
 from tools.plot.film import make_film
-from tools.plot.style import (LINE_MAP, PAGE_WIDTH, ROUNDING, clip_to, curve, draw_boundary, draw_speed, fitting, frame, headline, lowest_with, panels, particle_artists,
+from tools.plot.style import (LINE_MAP, PAGE_WIDTH, ROUNDING, clip_to, curve, draw_boundary, draw_speed, fitting, frame, headline,
+    lowest_with, panels, particle_artists,
                             plt, save, speed_of, speed_top, time_text)
 from tools.base.quantities import closed
 from tools.base.run_folder import RunFolder
@@ -97,7 +98,8 @@ def plot_trajectories(run, path):
     label = f"{size} ({length})"
     figure, (axes,), bar = panels(1, run.extent, height=6.0, lowest=lowest_with(label) if several else 0.0)
     scale = plt.Normalize(low, high) if several else plt.Normalize(0.5 * low, 1.5 * high)
-    ends, colours, last = [], [], max([track["t"][-1] for track in tracks] + [run.columns(name)["t"].max(initial=0) for name in ("fluid", "steps") if run.has(name)])
+    ends, colours, last = [], [], max([track["t"][-1] for track in tracks] + [run.columns(name)["t"].max(initial=0)
+        for name in ("fluid", "steps") if run.has(name)])
     for track, diameter in zip(tracks, diameters):
         colour = LINE_MAP(scale(diameter))
         for piece in broken(track, run.extent, run.period):
@@ -106,7 +108,8 @@ def plot_trajectories(run, path):
         if track["t"][-1] < last * (1 - 1e-9):
             continue
         colours.append(colour)
-        ends.append([0] + [track[name][-1] for name in ("x", "y", "theta", "radius")] + [track["radius"][-1] * run.aspect(track["id"][0])])
+        ends.append([0] + [track[name][-1] for name in ("x", "y", "theta", "radius")] + [track["radius"][-1]
+            * run.aspect(track["id"][0])])
     ends = np.array(ends, dtype=float).reshape(-1, 6)
     ends[:, 0] = np.arange(len(ends))
     ends = run.images(ends)
@@ -171,7 +174,8 @@ def plot_series(run, path):
     for one, (label, curves, log) in zip(axes.flat, wanted):
         for k, (name, values) in enumerate(curves):
             one.plot(t, np.where(values > 0, values, np.nan) if log else values, label=name, **curve(k),
-                     **({"marker": ".", "markersize": 3 if len(t) > 1 else 7} if len(t) == 1 or log and (len(t) <= 150 or np.count_nonzero(values > 0) <= 150) else {}))
+                     **({"marker": ".", "markersize": 3 if len(t) > 1 else 7} if len(t) == 1 or log
+                         and (len(t) <= 150 or np.count_nonzero(values > 0) <= 150) else {}))
         if log and any((values > 0).any() for _, values in curves):
             one.set_yscale("log")
             one.yaxis.set_minor_formatter(NullFormatter())
@@ -179,7 +183,8 @@ def plot_series(run, path):
             if np.floor(np.log10(high)) - np.ceil(np.log10(low)) < 1:  # two labelled ticks at least
                 one.set_ylim(10 ** np.floor(np.log10(low)), 10 ** np.ceil(np.log10(high)))
         elif log:
-            one.text(0.5, 0.5, f"below {ROUNDING:g} throughout" if "overlap" in label else "zero throughout", transform=one.transAxes, ha="center", va="center")
+            one.text(0.5, 0.5, f"below {ROUNDING:g} throughout" if "overlap" in label else "zero throughout",
+                transform=one.transAxes, ha="center", va="center")
             one.set_yticks([])
         if len(curves) > 1:  # in a row above the curves
             low, high = one.get_ylim()

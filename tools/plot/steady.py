@@ -88,7 +88,8 @@ def draw_walls(run, path):
         own = wall["side"] == side
         if not own.any():
             continue
-        ends = np.flatnonzero(np.diff(wall["wall"][own])) + 1 if "wall" in wall else []  # a gap between walls that do not hang together
+        # a gap between walls that do not hang together
+        ends = np.flatnonzero(np.diff(wall["wall"][own])) + 1 if "wall" in wall else []
         for axes, column in zip(both, ("shear", "pressure")):
             axes.plot(np.insert(wall["x"][own], ends, np.nan), np.insert(wall[column][own], ends, np.nan), **curve(k), label=name)
     for side, start, end in zip(zones["side"], zones["separation"], zones["reattachment"]):
@@ -103,7 +104,8 @@ def draw_walls(run, path):
     if np.max(abs(wall["shear"])) > 1.3 * spread:
         both[0].set_title(f"peaks at sharp edges, up to {np.max(abs(wall['shear'])):.3g} {pressure}, are cut off", fontsize="small")
     both[1].set_ylabel(f"gauge pressure\nat walls ({pressure})")
-    both[1].set_xlabel(f"x ({run.units['length']})" + ("; grey bars: reversed flow at walls below (bottom) and above (top)" if zones["side"].size else ""))
+    both[1].set_xlabel(f"x ({run.units['length']})" + ("; grey bars: reversed flow at walls below (bottom) and above (top)"
+        if zones["side"].size else ""))
     for axes in both:
         axes.grid(True)
     both[1].legend(loc="best")
@@ -126,16 +128,19 @@ def main(arguments=None):
     out.mkdir(parents=True, exist_ok=True)
     mesh = read_mesh(run.folder / "mesh.mesh")
     field_mesh, values = read_field(run.folder / "fields.vtu")
-    if len(field_mesh.triangles) not in (len(mesh.triangles), 4 * len(mesh.triangles)):  # the fields' are those of the mesh cut in four
+    # the fields' are those of the mesh cut in four
+    if len(field_mesh.triangles) not in (len(mesh.triangles), 4 * len(mesh.triangles)):
         raise BadInput(f"{options.run}: fields.vtu and mesh.mesh do not belong together")
     names = run.units | run.units_per_depth
     speed = np.hypot(*values["velocity"][:, :2].T)
-    draw_field(run, mesh, field_mesh, speed, f"speed ({names['speed']})", out / "streamlines.png", caption(run) + ": streamlines", streams=values["velocity"])
+    draw_field(run, mesh, field_mesh, speed, f"speed ({names['speed']})", out / "streamlines.png", caption(run) + ": streamlines",
+        streams=values["velocity"])
     made = ["streamlines.png"]
     for name, label, read in PICTURES:
         field = read(values)
         if np.ptp(field) > 0:  # k and nu_t of a laminar flow are 0
-            draw_field(run, mesh, field_mesh, field, label.format(**names), out / f"{name}.png", f"{caption(run)}: {label.split(' (')[0]}")
+            draw_field(run, mesh, field_mesh, field, label.format(**names), out / f"{name}.png",
+                f"{caption(run)}: {label.split(' (')[0]}")
             made.append(f"{name}.png")
     if run.columns("wall")["x"].size:  # a flow between planes of symmetry has none
         draw_walls(run, out / "walls.png")

@@ -27,7 +27,8 @@ BODY, BODY_EDGE = "#e8e8e8", "#1a1a1a"
 ROUNDING = 1e-10  # of the radius: smaller overlaps are not drawn
 PAGE_WIDTH = 7.2  # inches: fits a printed page
 DIGIT, OVERHANG = 0.073, 0.07  # inches: width of a digit of a tick's label; what of a label may stand out beside a panel
-LETTER, COLUMN = 0.075, 0.8  # inches: a letter of a title; the least that a column of panels takes with its gap, for title and names below
+# inches: a letter of a title; the least that a column of panels takes with its gap, for title and names below
+LETTER, COLUMN = 0.075, 0.8
 LINE = 0.13  # inches: height of a tick's label
 MARGINS = (0.62, 1.0, 0.52, 0.46)  # inches: left, right, bottom, top of panels
 
@@ -102,7 +103,8 @@ def fitting(words, inches):
 
 
 def fit_ticks(axes, inches, ends=None):
-    """Ticks along x (between the ends of the domain) whose labels stay apart, and within the panel where another one stands beside it: two at least if that can be."""
+    """Ticks along x (between the ends of the domain) whose labels stay apart, and within the panel where another one stands beside
+    it: two at least if that can be."""
     low, high = axes.get_xlim()
     first, last = ends or (low, high)
     slack = 1e-9 * (last - first)
@@ -151,7 +153,8 @@ def frame(axes, extent, length="m", pad=0.015):
 
 
 def draw_outline(axes, mesh, open_ends=OPEN):
-    """The boundary by its labels: walls thick, those of open_ends dashed, axes and planes of symmetry dotted and dashed, bodies in the flow thicker."""
+    """The boundary by its labels: walls thick, those of open_ends dashed, axes and planes of symmetry dotted and dashed, bodies in
+    the flow thicker."""
     if mesh is None:
         return
     for label in np.unique(mesh.labels):
@@ -186,7 +189,8 @@ def particle_artists(axes, particles, zorder=5, clip=None, spokes=True):
     if not len(x):
         return []
     # The rim is drawn inside, so that a thick pen does not make touching disks overlap.
-    disks = PatchCollection([Ellipse((a, b), 2 * r, 2 * s, angle=np.degrees(t)) for a, b, t, r, s in zip(x, y, theta, radius, minor)],
+    disks = PatchCollection([Ellipse((a, b), 2 * r, 2 * s, angle=np.degrees(t)) for a, b, t, r, s in zip(x, y, theta, radius,
+        minor)],
                             facecolor=BODY, edgecolor=BODY_EDGE, linewidth=0.6, zorder=zorder)
     ends = np.stack([np.column_stack([x, y]),
                      np.column_stack([x + radius * np.cos(theta), y + radius * np.sin(theta)])], axis=1)

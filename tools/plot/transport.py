@@ -13,7 +13,9 @@ from tools.base.command import BadInput, Parser
 from tools.base.mesh_files import read_field
 from tools.base.run_folder import RunFolder
 from tools.plot.resolved import plot_trajectories
-from tools.plot.style import draw_boundary, draw_speed, fitting, frame, headline, lowest_with, panels, particle_artists, save, speed_of, speed_top, time_text
+from tools.plot.style import (
+    draw_boundary, draw_speed, fitting, frame, headline, lowest_with, panels, particle_artists, save, speed_of, speed_top,
+    time_text)
 
 DOT = 3.0  # points: the least diameter that is drawn
 
@@ -56,7 +58,8 @@ def plot_transport(run, path, times=None):
         bar.remove()
     else:
         figure.colorbar(drawn, cax=bar, extend=extend).set_label(label)
-    headline(figure, run.title + (": flow and particles" if flow else ": particles") + (" (dots: larger than they are)" if tiny else ""))
+    headline(figure, run.title + (": flow and particles" if flow else ": particles") + (" (dots: larger than they are)"
+        if tiny else ""))
     return save(figure, path)
 
 

@@ -75,7 +75,8 @@ def check_plugins(tell):
 
 
 def answers(log):
-    """{solver asked for: (solver that FreeFEM found, empty where it says nothing; residual)} of the output of tools/setup/doctor.edp."""
+    """{solver asked for: (solver that FreeFEM found, empty where it says nothing; residual)} of the output of
+    tools/setup/doctor.edp."""
     parts = re.findall(r"^asked (\S+)$(.*?)^residual \S+ (\S+)$", log, flags=re.M | re.S)
     return {name: ((re.findall(r"Find solver (\S+)", said) or [""])[-1], float(residual)) for name, said, residual in parts}
 

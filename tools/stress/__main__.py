@@ -36,7 +36,8 @@ def parser():
     options.add_argument("--list", action="store_true", help="list the maps and their axes")
     options.add_argument("--out", type=out_folder, metavar="DIR", help="where all goes")
     options.add_argument("--jobs", type=whole(1), default=1, metavar="N", help="runs at a time (default 1)")
-    options.add_argument("--limit", type=positive, default=60.0, metavar="S", help="CPU time of a cell, s (default 60; reference runs get four times that)")
+    options.add_argument("--limit", type=positive, default=60.0, metavar="S", help="CPU time of a cell, s (default 60; reference "
+        "runs get four times that)")
     return options
 
 
@@ -75,7 +76,8 @@ def main(words=None, say=lambda line: print(line, flush=True)):
     outside = [f"{name}: {text}" for name, good, text in defaults_inside(done) if not good]
     for line in outside:
         say(f"FAILED the default does not lie well inside: {line}")
-    say(f"{progress.done} runs, {progress.fresh} of them made now, in {(time.perf_counter() - progress.begin) / 60:.1f} min; limits: {out / 'limits.md'}")
+    say(f"{progress.done} runs, {progress.fresh} of them made now, in {(time.perf_counter() - progress.begin) / 60:.1f} min; "
+        f"limits: {out / 'limits.md'}")
     return 1 if wrong or outside else 0
 
 

@@ -4,7 +4,8 @@ import numpy as np
 from tools.base.command import BadInput
 from tools.meshing.plane_mesh import PlaneMesh, signed_areas
 
-KINDS = ("plain", "renumbered", "clockwise", "slivers of 5 degrees", "slivers of 1 degree", "slivers of 0.1 degrees", "graded 10:1", "graded 100:1")
+KINDS = ("plain", "renumbered", "clockwise", "slivers of 5 degrees", "slivers of 1 degree", "slivers of 0.1 degrees",
+    "graded 10:1", "graded 100:1")
 
 
 def spoiled(mesh, kind, seed=1):

@@ -22,7 +22,8 @@ LETTERS = {"accurate": "A", "stable": "S", "stopped": "C", "late": "T", "overlap
 WORDS = {"accurate": "stable and accurate", "stable": "stable", "stopped": "stopped cleanly, with a reason",
          "late": "out of time", "overlap": "overlap", "blown up": "blown up", "not run": "not run"}
 GOOD, FAILED = ("accurate", "stable"), ("overlap", "blown up", "not run")
-TABLES = ("particles", "fluid", "contacts", "motion", "errors", "forces", "budget", "summary", "lines", "wall", "steps", "entries", "exits")
+TABLES = ("particles", "fluid", "contacts", "motion", "errors", "forces", "budget", "summary", "lines", "wall", "steps", "entries",
+    "exits")
 KINETIC, LATER, LOSSES = 0.02, 0.2, 0.25  # excesses above which energy counts as created (see excess())
 LATE = (24, -24, 124)  # statuses: FreeFEM on SIGXCPU, a program that SIGXCPU ended, tools.base.runner at its limit
 
@@ -59,7 +60,8 @@ def judge(done, checks, folder, error=None):
         tables = {name: run.table(name) for name in TABLES if run.has(name)}
         if run.has("results"):
             tables["results"] = {name: np.array([value]) for name, value in run.results.items()}
-        fault = not_finite(tables) or not_bounded(tables, checks.bounds) or not_at_end(tables, checks.end) or created(tables, checks.energy)
+        fault = not_finite(tables) or not_bounded(tables, checks.bounds) or not_at_end(tables, checks.end) or created(tables,
+            checks.energy)
         if fault:
             return "blown up", fault, depth
         if "particles" in tables and len(tables["particles"]["t"]):
@@ -130,7 +132,8 @@ def created(tables, start):
         return f"budget.csv: the kinetic energy exceeds work and energy at the start by {whole:.2g} of them"
     if later > LATER:
         return f"budget.csv: the kinetic energy gains {later:.2g} of work and energy at the start that the work since does not cover"
-    return f"budget.csv: kinetic energy and dissipation exceed work and energy at the start by {with_losses:.2g} of them" if with_losses > LOSSES else ""
+    return (f"budget.csv: kinetic energy and dissipation exceed work and energy at the start by {with_losses:.2g} of them"
+        if with_losses > LOSSES else "")
 
 
 def overlapping(run, table, checks):

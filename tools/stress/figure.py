@@ -19,7 +19,8 @@ def draw_cells(axes, one, grid, rows, size=9, short=False):
     xs, ys = list(dict.fromkeys(x for x, _ in grid)), list(dict.fromkeys(y for _, y in grid))
     for x, y in grid:
         kind, i, j = rows[x, y]["class"], xs.index(x), ys.index(y)
-        axes.add_patch(Rectangle((i - 0.5, j - 0.5), 1, 1, facecolor=COLOURS[kind], hatch=HATCH.get(kind), edgecolor="#505050", linewidth=0.6))
+        axes.add_patch(Rectangle((i - 0.5, j - 0.5), 1, 1, facecolor=COLOURS[kind], hatch=HATCH.get(kind), edgecolor="#505050",
+            linewidth=0.6))
         box = {"facecolor": COLOURS[kind], "edgecolor": "none", "pad": 0.6} if kind in HATCH else None
         axes.text(i, j, LETTERS[kind], ha="center", va="center", fontsize=size, color=INK.get(kind, "black"), bbox=box)
         if (x, y) == one.default:
@@ -37,7 +38,8 @@ def draw_cells(axes, one, grid, rows, size=9, short=False):
 
 def legend(figure, kinds, columns):
     """What the letters stand for."""
-    handles = [Patch(facecolor=COLOURS[kind], hatch=HATCH.get(kind), edgecolor="#505050", label=f"{LETTERS[kind]}  {WORDS[kind]}") for kind in kinds]
+    handles = [Patch(facecolor=COLOURS[kind], hatch=HATCH.get(kind), edgecolor="#505050", label=f"{LETTERS[kind]}  {WORDS[kind]}")
+        for kind in kinds]
     handles.append(Patch(facecolor="none", edgecolor="black", linewidth=2.0, label="near the case's default"))
     figure.legend(handles=handles, loc="outside lower center", ncols=columns)
 

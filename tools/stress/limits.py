@@ -50,7 +50,8 @@ def inside(one, grid, rows):
     lines += [(i + d, j) for d in (-1, 1) if 0 <= i + d < len(xs) and not isinstance(one.default[0], str)]
     lines += [(i, j + d) for d in (-1, 1) if 0 <= j + d < len(ys) and not isinstance(one.default[1], str)]
     bad = [(xs[a], ys[b]) for a, b in lines if (xs[a], ys[b]) in grid and rows[xs[a], ys[b]]["class"] not in GOOD]
-    return not bad, "; ".join(f"{one.x.name} {one.x.text(x)}, {one.y.name} {one.y.text(y)}: {WORDS[rows[x, y]['class']]}" for x, y in bad)
+    return not bad, "; ".join(f"{one.x.name} {one.x.text(x)}, {one.y.name} {one.y.text(y)}: {WORDS[rows[x, y]['class']]}" for x,
+        y in bad)
 
 
 def defaults_inside(maps):
@@ -75,7 +76,8 @@ def write_limits(maps, out, head):
     text += ["", "Cells of each class:", ""]
     for one, grid, cells in maps:
         count = {kind: sum(cells[pair]["class"] == kind for pair in grid) for kind in LETTERS}
-        text.append(f"- {one.title}: " + ", ".join(f"{number} {WORDS[kind]}" for kind, number in count.items() if number) + f". Accurate: {one.held}.")
+        text.append(f"- {one.title}: " + ", ".join(f"{number} {WORDS[kind]}" for kind, number in count.items() if number)
+            + f". Accurate: {one.held}.")
     text += ["", "The defaults of the cases lie well inside (their own cell and its neighbours are stable):", ""]
     text += [f"- {name}: {'yes' if good else 'NO, ' + words}" for name, good, words in defaults_inside(maps)]
     write_text(out / "limits.md", "\n".join(text) + "\n")

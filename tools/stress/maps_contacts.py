@@ -7,7 +7,8 @@ from tools.stress.classes import Checks
 FALL, GLASS = "cases/falling_particles.edp", "cases/hourglass.edp"
 RADIUS, DENSITY, GRAVITY = 0.06, 100.0, 9.81  # m, kg/m2, m/s2
 METHODS = {"Newton finish, dt 0.001 s": ("newton", 0.001), "Newton finish, dt 0.01 s": ("newton", 0.01),
-           "Newton finish, dt 0.05 s": ("newton", 0.05), "accelerated, dt 0.01 s": ("accelerated", 0.01), "plain Uzawa, dt 0.01 s": ("uzawa", 0.01)}
+           "Newton finish, dt 0.05 s": ("newton", 0.05), "accelerated, dt 0.01 s": ("accelerated", 0.01),
+               "plain Uzawa, dt 0.01 s": ("uzawa", 0.01)}
 
 
 def fall_bounds(height, end):
@@ -75,19 +76,24 @@ MAPS = [
     Map("stack", "Stacks of disks, contacts alone", Axis("disks in the stack", "", [1, 2, 5, 10, 20, 50, 100, 200], [1, 10, 20]),
         Axis("projection", "", list(METHODS), ["Newton finish, dt 0.01 s", "plain Uzawa, dt 0.01 s"]), stack,
         "the floor carries the weight of the stack within 0.1 % at 2.5 s",
-        {"stable": "a longer -tend: not yet at rest", "stopped": "-contact-solver newton, the default", "late": "-contact-solver newton, the default",
+        {"stable": "a longer -tend: not yet at rest", "stopped": "-contact-solver newton, the default",
+            "late": "-contact-solver newton, the default",
          "overlap": "-contact-solver newton", "blown up": "a smaller -dt"}, (50, "Newton finish, dt 0.01 s")),
-    Map("contact_size_ratio", "Disks of different size, contacts alone", Axis("size ratio", "", [1, 2, 5, 10, 20, 50, 100], [1, 10, 100]),
+    Map("contact_size_ratio", "Disks of different size, contacts alone", Axis("size ratio", "", [1, 2, 5, 10, 20, 50, 100],
+        [1, 10, 100]),
         Axis("time step", "s", [0.001, 0.005, 0.02, 0.05], [0.005]), mixed,
         "energy rises by less than 1e-8 of its peak in a step, momentum is kept to 1e-8",
-        {"stable": "a smaller -contact-tol", "stopped": "-contact-tol 1e-10: equal disks form lattices with more contacts than needed", "late": "a larger -dt",
+        {"stable": "a smaller -contact-tol", "stopped": "-contact-tol 1e-10: equal disks form lattices with more contacts than "
+            "needed", "late": "a larger -dt",
          "overlap": "a smaller -contact-overlap"}, (2, 0.02)),
     Map("lattice", "Equal disks as a lattice, contacts alone", Axis("disks", "", [50, 200, 500], [50]),
         Axis("time step", "s", [0.004, 0.016], [0.004, 0.016]), lattice,
         "energy rises by less than 1e-6 of its peak in a step, momentum is kept to 1e-6",
-        {"stable": "a smaller -contact-tol", "overlap": "a smaller -contact-overlap", "stopped": "a -spread above 0", "late": "a -spread above 0"}, (200, 0.004)),
+        {"stable": "a smaller -contact-tol", "overlap": "a smaller -contact-overlap", "stopped": "a -spread above 0",
+            "late": "a -spread above 0"}, (200, 0.004)),
     Map("neck", "Disks larger than the neck, contacts alone", Axis("time step", "s", [0.001, 0.004, 0.016, 0.05], [0.004]),
         Axis("neck / diameter", "", [0.25, 0.5, 0.9, 0.99], [0.9]), neck,
         "at rest: kinetic energy below 1e-4 of its peak after 1 s",
-        {"stable": "a longer -tend: not yet at rest", "overlap": "a smaller -dt", "stopped": "a larger -contact-maxit", "late": "a larger -dt"}, (0.004, 0.99)),
+        {"stable": "a longer -tend: not yet at rest", "overlap": "a smaller -dt", "stopped": "a larger -contact-maxit",
+            "late": "a larger -dt"}, (0.004, 0.99)),
 ]

@@ -44,7 +44,8 @@ class Bodies(Disks):
 
 @dataclass
 class Scene:
-    """kind; corners of the domain; rows of particles; viscosity (Pa s); gravity (2), m/s2; start: kinetic energy of the bodies (J/m);
+    """kind; corners of the domain; rows of particles; viscosity (Pa s); gravity (2), m/s2; start: kinetic energy of the bodies
+    (J/m);
     speed: a bound on that of the bodies, m/s; end: s."""
     kind: str
     corners: tuple
@@ -105,7 +106,8 @@ def scene(seed):
     while not len(at):
         at = placed(kind, corners, draw)
     n = len(at)
-    density = np.exp(draw.uniform(np.log(0.01), np.log(20), n)) if draw.random() < 0.7 else np.full(n, np.exp(draw.uniform(np.log(0.01), np.log(20))))
+    density = np.exp(draw.uniform(np.log(0.01), np.log(20), n)) if draw.random() < 0.7 else np.full(n,
+        np.exp(draw.uniform(np.log(0.01), np.log(20))))
     aspect = np.where(draw.random(n) < 0.4, np.maximum(draw.uniform(0.4, 1, n), SIZE / at[:, 2]), 1.0)
     angle = -np.pi / 2 + draw.normal(0, 0.5)
     gravity = draw.uniform(0.5, 2) * np.array([np.cos(angle), np.sin(angle)])
@@ -127,12 +129,15 @@ def scene(seed):
 def closed(step, seed):
     """A run of a scene; step: elements that the fastest motion passes."""
     one = scene(int(seed))
-    options = {"-mesh": Polygon((one.kind, int(seed)), corners=one.corners), "-particles": Bodies(one.rows), "-mu": one.mu, "-gx": one.gravity[0], "-gy": one.gravity[1],
+    options = {"-mesh": Polygon((one.kind, int(seed)), corners=one.corners), "-particles": Bodies(one.rows), "-mu": one.mu,
+        "-gx": one.gravity[0], "-gy": one.gravity[1],
                "-dt": step * SIZE / one.speed, "-tend": one.end, "-every": 0}
     return Cell(SCRIPT, options, Checks({}, one.end, energy=one.start), patience=2)
 
 
 MAPS = [
-    Map("energy", "Closed scenes: the energy that nothing supplies", Axis("step", "elements", list(STEPS), [0.6]), Axis("seed", "", list(range(1, 201)), [3, 7, 16, 26, 100, 101]), closed,
-        "kinetic energy, and with dissipation, at most the work and the energy at the start", {"stopped": "a smaller -dt", "blown up": "a smaller -dt"}, (0.3, 1)),
+    Map("energy", "Closed scenes: the energy that nothing supplies", Axis("step", "elements", list(STEPS), [0.6]),
+        Axis("seed", "", list(range(1, 201)), [3, 7, 16, 26, 100, 101]), closed,
+        "kinetic energy, and with dissipation, at most the work and the energy at the start", {"stopped": "a smaller -dt",
+            "blown up": "a smaller -dt"}, (0.3, 1)),
 ]

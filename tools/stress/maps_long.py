@@ -25,7 +25,8 @@ def awkward(kind, scene):
     mesh = Mesh(("box", "--width", 2.0, "--height", 2.0, "--size", 0.0625), kind)
     more = {"-scheme": "published"} if scene == "disk, published" else {}
     dt = 0.01 if more else 0.002
-    return Cell(CASE, settling(dt, mesh, 0.1, **more), falls(0.1), velocities, ("plain", scene), 0.1, may_refuse=kind == "clockwise")
+    return Cell(CASE, settling(dt, mesh, 0.1, **more), falls(0.1), velocities, ("plain", scene), 0.1,
+        may_refuse=kind == "clockwise")
 
 
 def drift(run):
@@ -44,10 +45,14 @@ def drift(run):
 LONG = {
     "disk in shear": ("cases/couette_disk.edp", 0.02, {"-mesh": Mesh(("couette", "--size", 1 / 10)), "-radius": 0.2, "-y": 0.5},
                       Checks({"particles.u": 2, "particles.v": 1, "particles.omega": 5, "fluid.top_speed": 1}, period=(1.0, 0.0))),
-    "disk at rest on the floor": (CASE, 0.002, {"-mesh": Mesh(("box", "--width", 1.0, "--height", 1.0, "--size", 1 / 10)), "-x": 0.5, "-y": 0.3,
-                                                "-gravity": -100.0, "-diameter": 0.4}, Checks({"particles.u": 5, "particles.v": 5})),
-    "flow in a channel": ("cases/poiseuille.edp", 0.02, {"-mesh": Mesh(("channel", "--size", 1 / 4)), "-tolerance": 1e-9}, Checks({"fluid.top_speed": 2})),
-    "heap, contacts alone": ("cases/falling_particles.edp", 0.01, {"-number": 20, "-gravity": 9.81}, Checks({"particles.v": 20, "particles.u": 20})),
+    "disk at rest on the floor": (CASE, 0.002, {"-mesh": Mesh(("box", "--width", 1.0, "--height", 1.0, "--size", 1 / 10)),
+        "-x": 0.5, "-y": 0.3,
+                                                "-gravity": -100.0, "-diameter": 0.4},
+                                                    Checks({"particles.u": 5, "particles.v": 5})),
+    "flow in a channel": ("cases/poiseuille.edp", 0.02, {"-mesh": Mesh(("channel", "--size", 1 / 4)), "-tolerance": 1e-9},
+        Checks({"fluid.top_speed": 2})),
+    "heap, contacts alone": ("cases/falling_particles.edp", 0.01, {"-number": 20, "-gravity": 9.81},
+        Checks({"particles.v": 20, "particles.u": 20})),
 }
 
 
@@ -88,14 +93,16 @@ CASES = {
     "falling_particles": ({}, 0.02, 20.0, {"particles.v": 3}, balance_error),
     "hourglass": ({"-number": 300, "-radius": 0.015, "-neck": 0.13}, 0.004, 0.4, {"particles.v": 15}, balance_error),
 }
-PERIODIC = {"couette_disk": (1.0, 0.0), "ellipse_in_shear": (2.0, 0.0), "segre_silberberg": (1.0, 0.0), "cylinder_array": (1.0, 1.0), "sheared_suspension": (1.0, 0.0)}
+PERIODIC = {"couette_disk": (1.0, 0.0), "ellipse_in_shear": (2.0, 0.0), "segre_silberberg": (1.0, 0.0), "cylinder_array": (1.0,
+    1.0), "sheared_suspension": (1.0, 0.0)}
 
 
 def around_default(factor, case):
     """A case for a short time with its own options, but for the time step."""
     options, dt, end, bounds, quantity = CASES[case]
     options = {**options, "-dt": dt * factor, "-tend": end, "-every": 0}
-    cell = Cell(f"cases/{case}.edp", options, Checks(bounds, end, 1e-4 if case == "hourglass" else 1e-6, PERIODIC.get(case, (0.0, 0.0))))
+    cell = Cell(f"cases/{case}.edp", options, Checks(bounds, end, 1e-4 if case == "hourglass" else 1e-6,
+        PERIODIC.get(case, (0.0, 0.0))))
     if quantity is balance_error:
         cell.quantity, cell.reference, cell.tolerance = quantity, "own", 1e-8
     else:
@@ -103,19 +110,23 @@ def around_default(factor, case):
     return cell
 
 
-ALONE = {"one disk": (6, 0.0), "disk of 4 elements": (4, 0.5), "disk of 3 elements": (3, 0.5)}  # elements across, place of the centre within an element
+# elements across, place of the centre within an element
+ALONE = {"one disk": (6, 0.0), "disk of 4 elements": (4, 0.5), "disk of 3 elements": (3, 0.5)}
 
 
 def viscous(reach, scene):
     """A shear flow without inertia whose time step is so many times h^2/nu: one disk in the middle, or many that touch."""
     size, end = 1 / 20, 2.0 if scene in ALONE else 10.0
-    options = {"-mesh": Mesh(("couette", "--size", size)), "-radius": 0.15, "-convection": 0, "-cfl": 0, "-dt": reach * size**2, "-tend": end, "-every": 0}
+    options = {"-mesh": Mesh(("couette", "--size", size)), "-radius": 0.15, "-convection": 0, "-cfl": 0, "-dt": reach * size**2,
+        "-tend": end, "-every": 0}
     if scene in ALONE:
         across, place = ALONE[scene]
-        options |= {"-fraction": 0, "-particles": Disks(np.array([[0, 0.5 + place * size, 0.5 + place * size, across * size / 2, 1, 0, 0, 0]]))}
+        options |= {"-fraction": 0, "-particles": Disks(np.array([[0, 0.5 + place * size, 0.5 + place * size, across * size / 2, 1,
+            0, 0, 0]]))}
     else:
         options["-fraction"] = float(scene.split()[0]) / 100
-    cell = Cell("cases/sheared_suspension.edp", options, Checks({"particles.u": 1.5, "particles.v": 1.5, "particles.omega": 5, "fluid.top_speed": 1.5}, end, period=(1.0, 0.0)))
+    cell = Cell("cases/sheared_suspension.edp", options, Checks({"particles.u": 1.5, "particles.v": 1.5, "particles.omega": 5,
+        "fluid.top_speed": 1.5}, end, period=(1.0, 0.0)))
     if scene in ALONE:
         cell.quantity, cell.reference, cell.tolerance = turning, (1, scene), 0.01
     return cell
@@ -125,32 +136,41 @@ def moved(reach, across):
     """A cylinder so many elements across, moved to and fro for eight periods by at most so many elements a step."""
     steps = 320
     end = steps * reach / across
-    options = {"-mesh": Mesh(("oscillating_cylinder", "--size", 1 / across)), "-dt": reach / across, "-tend": end, "-kc": end / 8, "-every": 0}
+    options = {"-mesh": Mesh(("oscillating_cylinder", "--size", 1 / across)), "-dt": reach / across, "-tend": end, "-kc": end / 8,
+        "-every": 0}
     return Cell("cases/oscillating_cylinder.edp", options, Checks({"fluid.top_speed": 3}, end), drift, "own", 0.1)
 
 
 MAPS = [
     Map("moved_body", "A held body moved for long", Axis("largest move a step (elements)", "", [0.1, 0.3, 1], [0.3]),
-        Axis("elements per diameter", "", [4, 8, 12, 20], [8, 12]), moved, "energy over two periods within 10 % of that over the two before",
+        Axis("elements per diameter", "", [4, 8, 12, 20], [8, 12]), moved, "energy over two periods within 10 % of that over the "
+            "two before",
         {"stable": "more periods", "stopped": "a smaller -dt", "blown up": "a smaller -dt", "late": "a smaller -dt"}, (0.3, 12)),
     Map("viscous_step", "Slow flow: reach of viscosity in a step", Axis("nu dt/h^2", "", [1, 5, 20, 60], [20]),
         Axis("scene", "", [*ALONE, "10 %", "20 %", "30 %"], ["one disk", "30 %"]), viscous,
         "one disk: angular velocity within 1 % of that with nu dt = h^2; many: bounded, nothing overlaps (no reference)",
-        {"stable": "a smaller -dt", "stopped": "a smaller -dt", "blown up": "a smaller -dt", "overlap": "a smaller -dt", "late": "a smaller -dt"}, (1, "one disk")),
-    Map("awkward_meshes", "Awkward meshes", Axis("mesh", "", list(KINDS), ["plain", "clockwise", "slivers of 1 degree", "graded 100:1"]),
-        Axis("scene", "", ["moving vortices", "Poiseuille flow", "settling disk", "disk, published"], ["moving vortices", "settling disk"]), awkward,
+        {"stable": "a smaller -dt", "stopped": "a smaller -dt", "blown up": "a smaller -dt", "overlap": "a smaller -dt",
+            "late": "a smaller -dt"}, (1, "one disk")),
+    Map("awkward_meshes", "Awkward meshes", Axis("mesh", "", list(KINDS), ["plain", "clockwise", "slivers of 1 degree",
+        "graded 100:1"]),
+        Axis("scene", "", ["moving vortices", "Poiseuille flow", "settling disk", "disk, published"], ["moving vortices",
+            "settling disk"]), awkward,
         "vortices: L2 error below 0.01 m/s; Poiseuille: below 1e-9; disk: velocity within 10 % of that on the plain mesh",
         {"stable": "a mesh by python -m tools.mesh, whose angles are above 5 degrees", "stopped": "a mesh by python -m tools.mesh",
          "blown up": "a mesh by python -m tools.mesh", "late": "a mesh by python -m tools.mesh"}, ("plain", "settling disk")),
     Map("long_run", "Long runs of small scenes", Axis("steps", "", [1000, 10000, 100000], [1000, 10000]),
         Axis("scene", "", list(LONG), ["disk in shear", "heap, contacts alone"]), long_run,
-        "energy changes by less than 0.1 % between the third and the last quarter, inflow equals outflow to 0.1 %, memory within a tenth of that of 1000 steps",
-        {"stable": "where it is not yet steady a longer -tend; where memory grows -contact-solver accelerated, or -checkpoint and -restart: each "
-         "CHOLMOD factorisation of FreeFEM 4.9 keeps 1 kB and 9 bytes an unknown", "stopped": "a smaller -dt", "blown up": "a smaller -dt", "late": "-checkpoint and -restart"},
+        "energy changes by less than 0.1 % between the third and the last quarter, inflow equals outflow to 0.1 %, memory within "
+            "a tenth of that of 1000 steps",
+        {"stable": "where it is not yet steady a longer -tend; where memory grows -contact-solver accelerated, or -checkpoint "
+            "and -restart: each "
+         "CHOLMOD factorisation of FreeFEM 4.9 keeps 1 kB and 9 bytes an unknown", "stopped": "a smaller -dt",
+             "blown up": "a smaller -dt", "late": "-checkpoint and -restart"},
         (1000, "disk in shear")),
     Map("defaults", "The cases around their own time step", Axis("time step / default", "", [1, 2, 4, 8], [1, 2]),
         Axis("case", "", list(CASES), ["taylor_green", "couette_disk", "falling_particles"]), around_default,
         "kinetic energy or velocities within 5 % of those with half the default time step; contacts alone: balances to 1e-8",
-        {"stable": "the default -dt", "stopped": "the default -dt", "blown up": "the default -dt", "overlap": "the default -dt", "late": "the default -dt"},
+        {"stable": "the default -dt", "stopped": "the default -dt", "blown up": "the default -dt", "overlap": "the default -dt",
+            "late": "the default -dt"},
         (1, "settling_disk")),
 ]

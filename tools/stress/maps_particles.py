@@ -120,7 +120,8 @@ def gaps(gap, scene):
         rows = [[k, 1.0, r * (1 + g) + k * r * (2 + g), r, 1.5, 0, 0, 0] for k in (1, 2)]
     if rows:
         place["-particles"] = Disks(np.array(rows))
-    return Cell(CASE, settling(dt, box(0.0625), 0.06, **place), falls(0.06), velocities, (f"{g:g} with 0.0005 s", scene), 0.05, 0.05)
+    return Cell(CASE, settling(dt, box(0.0625), 0.06, **place), falls(0.06), velocities, (f"{g:g} with 0.0005 s", scene), 0.05,
+        0.05)
 
 
 PIPE, THROAT = Mesh(("pipe_obstacles", "--size", 0.016)), 0.1
@@ -152,13 +153,16 @@ MAPS = [
     Map("dt_density", "One disk: time step and density ratio", Axis("time step", "s", STEPS, [0.002, 0.016]),
         Axis("density ratio, disk to fluid", "", RATIOS, [0.001, 1.25, 1000]), density, IN_TIME.format(5),
         {"stable": SMALLER, "stopped": SMALLER, "blown up": SMALLER, "overlap": SMALLER}, (0.001, 1.25)),
-    Map("penalty_mesh", "Published method: penalty and mesh", Axis("element size", "cm", [1 / 8, 1 / 12, 1 / 16, 1 / 24, 1 / 32], [1 / 8, 1 / 16],
+    Map("penalty_mesh", "Published method: penalty and mesh", Axis("element size", "cm", [1 / 8, 1 / 12, 1 / 16, 1 / 24, 1 / 32],
+        [1 / 8, 1 / 16],
         {1 / 8: "1/8", 1 / 12: "1/12", 1 / 16: "1/16", 1 / 24: "1/24", 1 / 32: "1/32", "standard": "standard"}),
         Axis("penalty eps", "cm s/g", [1.0, 1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14], [1.0, 1e-6, 1e-14]), published,
         "velocity within 15 % of the standard scheme on the mesh of 1/32 cm",
-        {"stable": "-penalty 1e-6 and " + FINER + "; or -scheme standard, which needs no penalty", "stopped": "-penalty 1e-6 (the least is 1e-14/viscosity), or -scheme standard",
+        {"stable": "-penalty 1e-6 and " + FINER + "; or -scheme standard, which needs no penalty",
+            "stopped": "-penalty 1e-6 (the least is 1e-14/viscosity), or -scheme standard",
          "blown up": "-scheme standard", "late": "-scheme standard"}, (1 / 16, 1e-6)),
-    Map("elements_per_diameter", "One disk: elements per diameter", Axis("elements per diameter", "", [1, 1.5, 2, 3, 4, 6, 8, 12, 16, 24, 32], [1, 2, 4, 8]),
+    Map("elements_per_diameter", "One disk: elements per diameter", Axis("elements per diameter", "", [1, 1.5, 2, 3, 4, 6, 8, 12,
+        16, 24, 32], [1, 2, 4, 8]),
         Axis("time step", "s", [0.001, 0.002, 0.004, 0.008], [0.002]), across,
         "velocity within 5 % of that with 32 elements per diameter and a time step of 0.0005 s",
         {"stable": FINER, "stopped": SMALLER, "blown up": SMALLER}, (4, 0.001)),
@@ -177,7 +181,9 @@ MAPS = [
         {"stable": SMALLER, "stopped": SMALLER, "overlap": SMALLER, "blown up": SMALLER}, (0.1, "above the floor")),
     Map("jam", "Disks larger than the throat of the diaphragm", Axis("time step", "s", [0.001, 0.002, 0.004, 0.008], [0.004]),
         Axis("diameter / throat", "", [0.6, 0.9, 1.02, 1.2, 1.6], [1.2]), jam,
-        "disks at rest: slower than 1 % of the inflow at the end (the flow past a throat that is shut means nothing); smaller disks have no reference",
-        {"stable": "a longer -tend, or " + SMALLER, "stopped": "smaller particles: a throat that is shut lets no given inflow through", "overlap": SMALLER,
+        "disks at rest: slower than 1 % of the inflow at the end (the flow past a throat that is shut means nothing); smaller "
+            "disks have no reference",
+        {"stable": "a longer -tend, or " + SMALLER, "stopped": "smaller particles: a throat that is shut lets no given inflow "
+            "through", "overlap": SMALLER,
          "blown up": SMALLER, "late": SMALLER}, (0.002, 0.6)),
 ]

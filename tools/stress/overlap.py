@@ -37,7 +37,8 @@ def outline(table, row, aspect):
 
 
 def ellipse_pair(table, i, j, aspect, shift):
-    """Depth in semi-minor axes of the slimmer of two bodies in each other; shift (2) brings the first to the image near the second."""
+    """Depth in semi-minor axes of the slimmer of two bodies in each other; shift (2) brings the first to the image near the
+    second."""
     minor = table["radius"] * aspect
     deep = [depth_in(table, a, aspect, outline(table, b, aspect) + s).max() for a, b, s in ((i, j, -shift), (j, i, shift))]
     return max(deep) / min(minor[i], minor[j])
@@ -78,7 +79,8 @@ def distance_to(points, segments):
 
 
 def wall_overlap(table, segments, period=(0.0, 0.0), aspect=None):
-    """(depth in radii, row) of the deepest overlap of a disk and a wall; (0, -1) if none. aspect: those of the rows, for ellipses."""
+    """(depth in radii, row) of the deepest overlap of a disk and a wall; (0, -1) if none. aspect: those of the rows, for
+    ellipses."""
     if aspect is not None:
         return ellipse_walls(table, segments, period, aspect)
     x, r = wrapped(table, segments, period), table["radius"]
@@ -118,7 +120,8 @@ def wrapped(table, segments, period):
 
 
 def pair_overlap(table, period=(0.0, 0.0), aspect=None):
-    """(depth in radii, row, id, id) of the deepest overlap of two disks; (0, -1, -1, -1) if none. aspect: those of the rows, for ellipses."""
+    """(depth in radii, row, id, id) of the deepest overlap of two disks; (0, -1, -1, -1) if none. aspect: those of the rows, for
+    ellipses."""
     found = (0.0, -1, -1, -1)
     order = np.argsort(table["t"], kind="stable")
     _, first = np.unique(table["t"][order], return_index=True)

@@ -74,7 +74,8 @@ def estimate(sizes, values, formal=2.0):
         return Estimate(math.nan, f1, spread, "the value does not depend on the size", False)
     if abs(f2 - f1) <= rounding:
         left = spread * h1**formal / (pairs[2][0] ** formal - h2**formal)
-        return Estimate(math.nan, f1, 3 * left, f"the finest two stand still: no extrapolation, three times what the change before leaves with order {formal:g}", False)
+        return Estimate(math.nan, f1, 3 * left, f"the finest two stand still: no extrapolation, three times what the change "
+            f"before leaves with order {formal:g}", False)
     if len(pairs) == 2:
         p, safety, order, note = formal, 3.0, math.nan, f"two sizes: order {formal:g} assumed, factor of safety 3"
     else:

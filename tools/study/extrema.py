@@ -28,4 +28,5 @@ def vortices(t, drag, lift, since):
     middle = 0.5 * (lift.max() + lift.min())
     k = np.flatnonzero((lift[:-1] < middle) & (lift[1:] >= middle))
     rises = t[k] + (middle - lift[k]) * (t[k + 1] - t[k]) / (lift[k + 1] - lift[k])
-    return dict(zip(VORTICES, (top(drag), -top(-drag), top(lift) + top(-lift), 0.1 / np.diff(rises).mean() if len(rises) > 1 else np.nan)))
+    return dict(zip(VORTICES, (top(drag), -top(-drag), top(lift) + top(-lift), 0.1 / np.diff(rises).mean() if len(rises) > 1
+        else np.nan)))

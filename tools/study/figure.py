@@ -74,7 +74,8 @@ def draw_study(study, records, quantity, reference, uncertainty):
             line = sorted((r[key], error[id(r)]) for r in rows if r[other] == fixed and r[key] is not None)
             word = {"dt": "time step", "meshsize": "element size"}[other]
             axes.plot(*zip(*line), marker=MARKERS[k % len(MARKERS)], markersize=5, **curve(k),
-                      label=f"{word} {fixed:.4g} {units['time' if other == 'dt' else 'length']}".rstrip() if fixed is not None else f"error over {name.split(' (')[0]}")
+                      label=f"{word} {fixed:.4g} {units['time' if other == 'dt' else 'length']}".rstrip() if fixed is not None
+                          else f"error over {name.split(' (')[0]}")
         slopes(axes, [r[key] for r in rows if r[key] is not None], max(error[id(r)] for r in rows))
         axes.set_xlabel(name)
     last = panels[-1]
@@ -105,6 +106,7 @@ def draw_study(study, records, quantity, reference, uncertainty):
         axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=1)
     plain(panels[0].yaxis)
     panels[0].set_ylabel(label)
-    guess = f"\n(order {study.formal_order:g} assumed, none observed: the slopes of the lines show nothing)" if assumed(study, records, quantity) else ""
+    guess = f"\n(order {study.formal_order:g} assumed, none observed: the slopes of the lines show nothing)" if assumed(study,
+        records, quantity) else ""
     figure.suptitle(f"{study.case.replace('_', ' ')}: {quantity} against {what} {reference:.6g}{guess}", fontsize=10)
     return save(figure, study.out / f"study_{re.sub('[^A-Za-z0-9_.-]+', '_', quantity)}.png")

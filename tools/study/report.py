@@ -67,7 +67,8 @@ def extrapolates(study, records, quantity):
 
 def assumed(study, records, quantity):
     """Whether a limit that errors are taken against was extrapolated with an order that no values show."""
-    return not study.references and any(one.extrapolated and math.isnan(one.order) for one, _ in limits(study, records, quantity).values())
+    return not study.references and any(one.extrapolated and math.isnan(one.order) for one, _ in limits(study, records,
+        quantity).values())
 
 
 def against(study, records, quantity):
@@ -89,12 +90,15 @@ def doubts(records):
     lines, counts = [], {r["meshsize"]: r["vertices"] for r in records if r["meshsize"] and r.get("vertices", math.nan) > 0}
     smaller = sorted({(r["dt"], r["mean_dt"]) for r in records if r.get("mean_dt")}, reverse=True)
     if smaller:
-        lines.append("note: -cfl made steps smaller: " + ", ".join(f"{mean:.3g} s in the mean instead of {dt:.3g}" for dt, mean in smaller)
+        lines.append("note: -cfl made steps smaller: " + ", ".join(f"{mean:.3g} s in the mean instead of {dt:.3g}" for dt,
+            mean in smaller)
                      + "; these runs have no part in an order of the time step (-- -cfl 0 keeps the steps)")
     for fine, coarse in zip(sorted(counts), sorted(counts)[1:]):
         if not 0.75 < counts[fine] / counts[coarse] * (fine / coarse) ** 2 < 1.33:
-            lines.append(f"note: sizes {coarse:.6g} and {fine:.6g} make {counts[coarse]} and {counts[fine]} vertices, {counts[fine] / counts[coarse]:.3g} times as many where "
-                         f"{(coarse / fine) ** 2:.3g} would be refined everywhere: the orders are not those of the scheme (a gmsh script: --proportional)")
+            lines.append(f"note: sizes {coarse:.6g} and {fine:.6g} make {counts[coarse]} and {counts[fine]} vertices, "
+                f"{counts[fine] / counts[coarse]:.3g} times as many where "
+                         f"{(coarse / fine) ** 2:.3g} would be refined everywhere: the orders are not those of the scheme (a "
+                             f"gmsh script: --proportional)")
     return lines
 
 
@@ -116,8 +120,10 @@ def report(study, records, references):
         limit, uncertainty = extrapolated(study, records, name)
         if math.isfinite(limit):
             some = extrapolates(study, records, name)
-            lines.append(f"  finest {finest(records, name):.6g}" + (f", extrapolated {limit:.6g}" if some else "") + f" +- {uncertainty:.2g}"
-                         + ("" if some else ", nothing extrapolated" + ("" if study.references else ": errors are differences to the finest run"))
+            lines.append(f"  finest {finest(records, name):.6g}" + (f", extrapolated {limit:.6g}" if some else "")
+                + f" +- {uncertainty:.2g}"
+                         + ("" if some else ", nothing extrapolated" + ("" if study.references else ": errors are differences to "
+                             "the finest run"))
                          + (f", reference {references[name]:.6g}" if study.references else ""))
         else:
             lines.append("  nothing to extrapolate from")

@@ -98,7 +98,8 @@ def require_recipe(recipe):
 
 
 def mesh_name(recipe, size):
-    """The file's name of the mesh of a recipe (its words) and an element size; a short hash tells apart words that differ in signs only."""
+    """The file's name of the mesh of a recipe (its words) and an element size; a short hash tells apart words that differ in signs
+    only."""
     plain = re.sub("[^A-Za-z0-9.]+", "_", " ".join(recipe))
     mark = "_" + hashlib.sha256(shlex.join(recipe).encode()).hexdigest()[:8] if len(recipe) > 1 else ""
     return f"{plain}{mark}_{size:.12g}.mesh"
@@ -147,10 +148,12 @@ def true_sizes(meshes):
     uniform = all(true.values())
     for a, b in itertools.combinations(found, 2):
         if uniform and math.isclose(true[a], true[b], rel_tol=SAME_LENGTH):
-            raise BadInput(f"the sizes {a:.12g} and {b:.12g} both make cells of {true[a]:.6g}, for a whole number of them must fit: leave one out")
+            raise BadInput(f"the sizes {a:.12g} and {b:.12g} both make cells of {true[a]:.6g}, for a whole number of them must "
+                f"fit: leave one out")
         if same_mesh(found[a], found[b]):
             raise BadInput(f"the sizes {a:.12g} and {b:.12g} make the same mesh: leave one out")
-    return {size: true[size] if uniform and size in true and not math.isclose(true[size], size, rel_tol=SAME_LENGTH) else size for size in meshes}
+    return {size: true[size] if uniform and size in true and not math.isclose(true[size], size, rel_tol=SAME_LENGTH) else size
+        for size in meshes}
 
 
 def own_mesh(name, size):
@@ -258,7 +261,8 @@ def run_study(study, mesh_maker=make_mesh, say=print):
         meshes = dict(zip(study.meshsizes, pool.map(mesh_of, study.meshsizes)))
         true = true_sizes(meshes)
         if list(true.values()) != list(true):
-            say("a whole number of cells must fit: " + ", ".join(f"{size:.6g} for {asked:.6g}" for asked, size in true.items()) + "; orders are of these sizes")
+            say("a whole number of cells must fit: " + ", ".join(f"{size:.6g} for {asked:.6g}" for asked, size in true.items())
+                + "; orders are of these sizes")
         waiting = {pool.submit(one_run, study, size, dt, meshes[size]): (size, dt) for size, dt in pairs}
         for future in concurrent.futures.as_completed(waiting):
             size, dt = waiting[future]
@@ -303,7 +307,8 @@ def write_study(study, records, references):
             size = abs(reference)
             rows.append([study.case, record["meshsize"], record["dt"],
                          " ".join(f"{k} {v}" for k, v in study.options.items()), name, value, reference, error,
-                         error / size if size > 0 else math.nan, record["cpu_s"], record["wall_s"], record["steps"], record.get("vertices", math.nan),
+                         error / size if size > 0 else math.nan, record["cpu_s"], record["wall_s"], record["steps"],
+                             record.get("vertices", math.nan),
                          record["memory_mib"], int(bool(record["timing"])), record["commit"], record["status"], why,
                          os.path.relpath(record["run"], study.out)])
     write_table(study.out / "study.csv", COLUMNS, rows)
@@ -319,24 +324,29 @@ def order(text):
 
 def parser():
     """The options."""
-    options = Parser(prog="python -m tools.study", epilog="quantities (mean_v:0.2:0.5 gives numbers to the first arguments; -1 of a particle: that of the least id; nan of a time: as without):\n"
+    options = Parser(prog="python -m tools.study", epilog="quantities (mean_v:0.2:0.5 gives numbers to the first arguments; -1 "
+        "of a particle: that of the least id; nan of a time: as without):\n"
                      + quantities.summary(quantities.load()), description=__doc__)
     options.add_argument("script", help="the case, such as cases/settling_disk.edp")
     options.add_argument("--meshsize", nargs="+", type=positive, metavar="H", help="element sizes (default: the case's mesh)")
-    options.add_argument("--by", choices=["mesh", "size"], default="mesh", help="how the case takes them: a mesh of tools.mesh (default), or its own option -size (turbulent_step)")
-    options.add_argument("--cells", nargs="+", type=whole(1), metavar="N", help="instead of sizes: numbers for the case's own option -cells (diaphragm_loss, turbulent_channel); sizes are then 1/N")
+    options.add_argument("--by", choices=["mesh", "size"], default="mesh", help="how the case takes them: a mesh of tools.mesh "
+        "(default), or its own option -size (turbulent_step)")
+    options.add_argument("--cells", nargs="+", type=whole(1), metavar="N", help="instead of sizes: numbers for the case's own "
+        "option -cells (diaphragm_loss, turbulent_channel); sizes are then 1/N")
     options.add_argument("--dt", nargs="+", type=positive, metavar="DT", help="time steps, s (default: the case's)")
     options.add_argument("--quantity", nargs="+", required=True, metavar="NAME", help="what to measure, see below")
     options.add_argument("--reference", nargs="+", type=number, metavar="VALUE", help="exact values, one per quantity")
     options.add_argument("--quantities", nargs="+", default=[], metavar="FILE", help="Python files with quantities of your own")
     options.add_argument("--order", type=order, default=2.0, help="formal order of the scheme (default 2)")
     options.add_argument("--out", type=out_folder, metavar="DIR", help="where all goes (default results/study/CASE)")
-    options.add_argument("--jobs", type=whole(1), default=cores(), metavar="N", help=f"runs at a time (default {cores()}: the cores)")
+    options.add_argument("--jobs", type=whole(1), default=cores(), metavar="N", help=f"runs at a time (default {cores()}: the "
+        f"cores)")
     options.add_argument("--timing", action="store_true", help="one run at a time, so that CPU times are measurements")
     options.add_argument("--repeat", type=whole(1), default=1, metavar="N", help="runs of each, the median time counts (default 1)")
     options.add_argument("--limit", type=positive, metavar="S", help="stop a run after so many seconds: a row with that reason")
     options.add_argument("--retry", action="store_true", help="run again what failed before")
-    options.add_argument("--recipe", metavar="WORDS", help="recipe of tools.mesh, with options of its own in the same quotes (default: the case's name)")
+    options.add_argument("--recipe", metavar="WORDS", help="recipe of tools.mesh, with options of its own in the same quotes "
+        "(default: the case's name)")
     return options
 
 
@@ -347,7 +357,8 @@ def main(words=None, mesh_maker=make_mesh):
     given = parser().parse_args(words[:cut])
     if given.reference and len(given.reference) != len(given.quantity):
         raise BadInput(f"{len(given.reference)} references for {len(given.quantity)} quantities: give one each")
-    for name, values in (("--meshsize", given.meshsize), ("--cells", given.cells), ("--dt", given.dt), ("--quantity", given.quantity)):
+    for name, values in (("--meshsize", given.meshsize), ("--cells", given.cells), ("--dt", given.dt),
+        ("--quantity", given.quantity)):
         if values and len({name_of(value, None) if name != "--quantity" else value for value in values}) < len(values):
             raise BadInput(f"{name} names one value twice")
     if given.cells and (given.meshsize or given.by != "mesh"):
@@ -360,7 +371,8 @@ def main(words=None, mesh_maker=make_mesh):
         sizes, by = given.meshsize, None if given.by == "mesh" else f"-{given.by}"
     script = os.path.relpath(Path(given.script).resolve(), ROOT) if Path(given.script).is_file() else given.script
     study = Study(script, sizes or [None], given.dt or [None], given.quantity, given.reference,
-                  case_options(words[cut + 1:], ["-dt", "-out", *([by or "-mesh"] if sizes else [])]), given.out, given.jobs, given.timing, given.repeat,
+                  case_options(words[cut + 1:], ["-dt", "-out", *([by or "-mesh"] if sizes else [])]), given.out, given.jobs,
+                      given.timing, given.repeat,
                   given.limit, given.retry, given.recipe, by, given.quantities, given.order)
     records, references = run_study(study, mesh_maker, say=lambda line: print(line, flush=True))
     for line in report(study, records, references):

@@ -21,8 +21,10 @@ from tools.base.tables import write_table
 from tools.plot.style import CURVES, PAGE_WIDTH, plt, save
 from tools.transport.fates import FATES, compute, fates, shown
 
-COLUMNS = ["seed", "pressure_drop_change_mean_Pa", "pressure_drop_change_least_Pa", "pressure_drop_change_most_Pa", "speed_most_change_m_s", "velocity_change_most_m_s",
-           "volume_fraction_most", "left_one_way", "left_two_way", "exit_time_mean_change_s", "exit_time_median_difference_s", "distance_median_m"]
+COLUMNS = ["seed", "pressure_drop_change_mean_Pa", "pressure_drop_change_least_Pa", "pressure_drop_change_most_Pa",
+    "speed_most_change_m_s", "velocity_change_most_m_s",
+           "volume_fraction_most", "left_one_way", "left_two_way", "exit_time_mean_change_s", "exit_time_median_difference_s",
+               "distance_median_m"]
 
 
 def exits(run):
@@ -45,12 +47,14 @@ def distances(one, two):
 
 def compare(seed, one, two):
     """A row of COLUMNS."""
-    flow, left_one, left_two = two.columns("coupling", "pressure_drop_change", "speed_most", "change_most", "volume_fraction_most"), exits(one), exits(two)
+    flow, left_one, left_two = two.columns("coupling", "pressure_drop_change", "speed_most", "change_most",
+        "volume_fraction_most"), exits(one), exits(two)
     both = sorted(set(left_one) & set(left_two))
     late = np.array([left_two[i] - left_one[i] for i in both]) if both else np.array([np.nan])
     drop, speed = flow["pressure_drop_change"], flow["speed_most"][1:]
     steady = speed[np.argmin(flow["change_most"][1:])]  # before the particles are felt
-    return [seed, drop.mean(), drop.min(), drop.max(), speed[np.argmax(np.abs(speed - steady))] - steady, flow["change_most"].max(), flow["volume_fraction_most"].max(),
+    return [seed, drop.mean(), drop.min(), drop.max(), speed[np.argmax(np.abs(speed - steady))] - steady,
+        flow["change_most"].max(), flow["volume_fraction_most"].max(),
             len(left_one), len(left_two), late.mean(), np.median(np.abs(late)), np.median(distances(one, two))]
 
 
@@ -75,7 +79,8 @@ def plot(pairs, path):
         spread = values.std(axis=0, ddof=1) if len(pairs) > 1 else np.zeros(len(FATES))
         places = np.arange(len(FATES)) + 0.4 * (way - 0.5)
         right.bar(places, values.mean(axis=0), 0.36, color=CURVES[way][0], label=label)
-        right.errorbar(places, values.mean(axis=0), yerr=[np.minimum(spread, values.mean(axis=0)), spread], fmt="none", ecolor="black", elinewidth=0.7, capsize=2)
+        right.errorbar(places, values.mean(axis=0), yerr=[np.minimum(spread, values.mean(axis=0)), spread], fmt="none",
+            ecolor="black", elinewidth=0.7, capsize=2)
     right.set_xticks(range(len(FATES)), [name.replace(" ", "\n") for name in FATES], fontsize=7)
     right.set_ylabel("particles (%)")
     right.set_title("lines: standard deviation over seeds" if len(pairs) > 1 else "one seed")
@@ -90,7 +95,8 @@ def parser():
     options = Parser(prog="python -m tools.coupling_effect", description=__doc__)
     options.add_argument("--seeds", type=whole(1), default=5, metavar="N", help="number of seeds (default 5)")
     options.add_argument("--jobs", type=whole(1), default=1, metavar="N", help="runs at a time (default 1)")
-    options.add_argument("--out", type=out_folder, default=str(ROOT / "results" / "coupling_effect"), metavar="DIR", help="where runs and results go")
+    options.add_argument("--out", type=out_folder, default=str(ROOT / "results" / "coupling_effect"), metavar="DIR",
+        help="where runs and results go")
     return options
 
 
@@ -98,7 +104,8 @@ def main(words=None):
     """Write table and picture; 0."""
     given, rest = parser().parse_known_args(words)
     out, more = given.out, case_options(rest, ["-coupling", "-seed", "-out"])
-    runs = [[RunFolder(folder) for folder in compute(given.seeds, out / way.replace("-", "_"), {**more, "-coupling": way}, given.jobs)] for way in ("one-way", "two-way")]
+    runs = [[RunFolder(folder) for folder in compute(given.seeds, out / way.replace("-", "_"), {**more, "-coupling": way},
+        given.jobs)] for way in ("one-way", "two-way")]
     if not all(len(run.particles["t"]) for way in runs for run in way):
         raise BadInput("there is a run without particles: nothing to compare")
     pairs = list(zip(*runs))
@@ -108,11 +115,13 @@ def main(words=None):
     values = np.array(rows, dtype=float)
     for k, name in enumerate(COLUMNS[1:], 1):
         some = values[np.isfinite(values[:, k]), k]  # a seed of which nobody leaves has no time of it
-        print(f"{name:<34} mean {some.mean():10.4g}   least {some.min():10.4g}   most {some.max():10.4g}" if len(some) else f"{name:<34} none")
+        print(f"{name:<34} mean {some.mean():10.4g}   least {some.min():10.4g}   most {some.max():10.4g}"
+            if len(some) else f"{name:<34} none")
     one, two = (np.array([shares(pair[way]) for pair in pairs]) for way in (0, 1))
     for k, name in enumerate(FATES):
         spread = one[:, k].std(ddof=1) if given.seeds > 1 else np.nan
-        print(f"{name:<20} one-way {one[:, k].mean():5.1f} %, two-way {two[:, k].mean():5.1f} %, standard deviation over seeds {shown(spread, '', 4)}{' %' if given.seeds > 1 else ''}")
+        print(f"{name:<20} one-way {one[:, k].mean():5.1f} %, two-way {two[:, k].mean():5.1f} %, standard deviation over seeds "
+            f"{shown(spread, '', 4)}{' %' if given.seeds > 1 else ''}")
     print(out / "coupling_effect.csv")
     print(plot(pairs, out / "coupling_effect.png"))
     return 0

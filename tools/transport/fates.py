@@ -32,7 +32,8 @@ CASE = "cases/pipe_transport.edp"
 FATES = ("carried through", "trapped", "behind", "recirculation", "bottom")
 CLASSES = np.array([0.010, 0.015, 0.020, 0.025, 0.030001])
 SEEDS = ("-seed", "-turbulence-seed")
-FREE = {*SEEDS, "-out", "-overwrite", "-every", "-fields", "-flow", "-restart", "-checkpoint", "-maxwall", "-contact-trace"}  # in which runs of a table may differ
+# in which runs of a table may differ
+FREE = {*SEEDS, "-out", "-overwrite", "-every", "-fields", "-flow", "-restart", "-checkpoint", "-maxwall", "-contact-trace"}
 PIPE = {"-radius": 0.1, "-length": 1.0}  # m
 
 
@@ -65,7 +66,8 @@ def usable(run):
         raise BadInput(f"the run {run.folder} holds no particles")
     for name, value in PIPE.items():
         if not abs(run.parameter(name, value) - value) < 1e-9:
-            raise BadInput(f"the run {run.folder} has {name} {run.parameter(name, value):g}; the places of this table are those of {name} {value:g}")
+            raise BadInput(f"the run {run.folder} has {name} {run.parameter(name, value):g}; the places of this table are those "
+                f"of {name} {value:g}")
     return run
 
 
@@ -75,12 +77,14 @@ def alike(runs):
     for run, given in zip(runs[1:], others):
         for name in sorted({*first, *given} - FREE):
             if first.get(name) != given.get(name):
-                raise BadInput(f"the runs {runs[0].folder} and {run.folder} differ in {name} ({first.get(name)} and {given.get(name)}): a table is of seeds of one scene")
+                raise BadInput(f"the runs {runs[0].folder} and {run.folder} differ in {name} ({first.get(name)} and "
+                    f"{given.get(name)}): a table is of seeds of one scene")
     known = {}
     for run, given in zip(runs, (first, *others)):
         seeds = tuple(given.get(name) for name in SEEDS)
         if "-seed" in given and seeds in known:
-            raise BadInput(f"the runs {known[seeds].folder} and {run.folder} are both of -seed {given['-seed']}: each seed counts once in mean and deviation")
+            raise BadInput(f"the runs {known[seeds].folder} and {run.folder} are both of -seed {given['-seed']}: each seed "
+                f"counts once in mean and deviation")
         known[seeds] = run
 
 
@@ -112,7 +116,8 @@ def table_of(runs):
 
 
 def shown(value, sign, width):
-    """A number with one decimal behind a sign; a dash where there is none: the deviation of a single seed, the mean of no particle."""
+    """A number with one decimal behind a sign; a dash where there is none: the deviation of a single seed, the mean of no
+    particle."""
     return f"{sign}{value:{width}.1f}" if np.isfinite(value) else f"{'-':>{len(sign) + width}}"
 
 
@@ -166,7 +171,8 @@ def parser():
     options = Parser(prog="python -m tools.transport_table", description=__doc__)
     options.add_argument("--seeds", type=whole(1), default=20, metavar="N", help="number of seeds (default 20)")
     options.add_argument("--jobs", type=whole(1), default=1, metavar="N", help="runs at a time (default 1)")
-    options.add_argument("--out", type=out_folder, default=str(ROOT / "results" / "transport_table"), metavar="DIR", help="where the runs and the table go")
+    options.add_argument("--out", type=out_folder, default=str(ROOT / "results" / "transport_table"), metavar="DIR",
+        help="where the runs and the table go")
     options.add_argument("--runs", nargs="+", metavar="RUN", help="run folders to judge instead of running")
     return options
 
@@ -185,7 +191,8 @@ def main(words=None):
     folders = given.runs or compute(given.seeds, out, options, given.jobs)
     rows = table_of([RunFolder(folder) for folder in folders])
     os.makedirs(out, exist_ok=True)
-    names = ["diameter_from_m", "diameter_to_m", "particles"] + [f"{name.replace(' ', '_')}_{what}" for name in FATES for what in ("percent", "deviation")]
+    names = ["diameter_from_m", "diameter_to_m", "particles"] + [f"{name.replace(' ', '_')}_{what}" for name in FATES
+        for what in ("percent", "deviation")]
     write_table(out / "table.csv", names, rows)
     print("diameter (cm)   number  " + "  ".join(f"{name:>16}" for name in FATES))
     for row in rows:

@@ -83,7 +83,8 @@ class Context:
     def mesh(self, recipe, size, *more):
         """The file of a mesh made by tools.mesh. Raises Failed."""
         try:
-            return make_mesh([recipe, "--size", f"{size:.12g}", *more], self.out / "meshes" / mesh_name([recipe, *more], size), self.limit)
+            return make_mesh([recipe, "--size", f"{size:.12g}", *more], self.out / "meshes" / mesh_name([recipe, *more], size),
+                self.limit)
         except BadInput as problem:
             raise Failed(problem) from None
 

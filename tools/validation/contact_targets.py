@@ -40,7 +40,8 @@ def row_of_disks():
     masses, velocities = np.exp(rng.normal(size=1000)), rng.normal(size=1000)
     x = np.column_stack([0.02 * np.arange(1000), np.zeros(1000)])
     answer = project(Scene(x, 0.01, masses, np.column_stack([velocities, np.zeros(1000)])), tol=1e-11)
-    yield "row of 1,000 disks, isotonic regression: velocity error (m/s)", 1e-8, np.abs(answer.velocity[:, 0] - isotonic_regression(velocities, weights=masses).x).max()
+    yield "row of 1,000 disks, isotonic regression: velocity error (m/s)", 1e-8, np.abs(answer.velocity[:, 0]
+        - isotonic_regression(velocities, weights=masses).x).max()
 
 
 def column():
@@ -85,7 +86,8 @@ def falling():
     yield "falling particles at 100 s: kinetic energy / peak", 1e-8, kinetic[-1] / kinetic.max()
     yield "falling particles: greatest overlap / smallest radius", 1e-10, max(-motion["worst_gap"].min(), 0) / radius
     yield "falling particles: greatest rise of the energy / peak", 1e-10, max(np.diff(energy).max(), 0) / kinetic.max()
-    yield "falling particles: momentum error / peak", 1e-12, motion["momentum_error"].max() / np.hypot(motion["momentum_x"], motion["momentum_y"]).max()
+    yield "falling particles: momentum error / peak", 1e-12, motion["momentum_error"].max() / np.hypot(motion["momentum_x"],
+        motion["momentum_y"]).max()
 
 
 def settled():
@@ -101,7 +103,8 @@ def settled():
                   np.column_stack([walls[name] for name in ("x1", "y1", "x2", "y2")]))
     for tol in (1e-8, 1e-10):
         cold, *warm = project(scene, dt, tol, repeat=6).figures
-        yield f"heap of 500 at rest, to {tol:.0e}: time of a warm-started step / cold", 0.1, np.median([step["time"] for step in warm]) / cold["time"]
+        yield f"heap of 500 at rest, to {tol:.0e}: time of a warm-started step / cold", 0.1, np.median([step["time"]
+            for step in warm]) / cold["time"]
 
 
 def benchmark(path):
@@ -133,7 +136,8 @@ def speed(rows):
         for number in numbers:
             best = min(((c, name) for (n, name, t), c in cost.items() if n == number and t == tol and name in peers), default=None)
             if best and (number, "newton", tol) in cost:
-                yield f"{number} disks to {tol:.0e}: CPU time / that of the best package ({best[1]})", 1.0, cost[number, "newton", tol] / best[0]
+                yield f"{number} disks to {tol:.0e}: CPU time / that of the best package ({best[1]})", 1.0, cost[number, "newton",
+                    tol] / best[0]
         if (20000, "newton", tol) in cost:
             yield f"20,000 disks to {tol:.0e}: CPU time (s)", 3.0, cost[20000, "newton", tol]
         large = [n for n in numbers if n >= 5000 and (n, "newton", tol) in cost]
@@ -175,7 +179,8 @@ def main(words=None):
     def speed_of_bench():
         return speed(bench)
     print(f"{'quantity':88s} {'target':>9s} {'measured':>10s}")
-    for name, target, measured, reason in tried((instances, row_of_disks, column, momentum, quadratic_program, falling, settled, speed_of_bench)):
+    for name, target, measured, reason in tried((instances, row_of_disks, column, momentum, quadratic_program, falling, settled,
+        speed_of_bench)):
         good = bool(measured <= target)
         found.append([name, target, f"{measured:.4g}", "pass" if good else "MISSED" + (f" ({reason})" if reason else "")])
         print(f"{name:88s} {'<= ' + format(target, 'g'):>9s} {measured:10.3g} {found[-1][3]}", flush=True)

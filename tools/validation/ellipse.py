@@ -37,9 +37,11 @@ def ellipse_in_shear(context):
     for reynolds, size in ((0.1, 0.00625), (0.1, 0.0125)):
         name = f"ellipse, Reynolds number {reynolds:g}, semi-axes H/20 and H/40, {0.05 / size:g} elements per minor axis: half a period times G"
         try:
-            run = context.run("cases/ellipse_in_shear.edp", {"-major": 0.05, "-reynolds": reynolds, "-dt": 0.01, "-tend": 9.0}, f"jeffery_{size:g}",
+            run = context.run("cases/ellipse_in_shear.edp", {"-major": 0.05, "-reynolds": reynolds, "-dt": 0.01, "-tend": 9.0},
+                f"jeffery_{size:g}",
                               mesh=context.mesh("ellipse_in_shear", size, "--core", "0.13"))
-            yield context.row(name, "Jeffery 1922", exact, half_turn(next(iter(run.folder.tracks.values()))), rtol=0.01, cpu_s=run.cpu_s)
+            yield context.row(name, "Jeffery 1922", exact, half_turn(next(iter(run.folder.tracks.values()))), rtol=0.01,
+                cpu_s=run.cpu_s)
         except Failed as problem:
             yield context.failed(name, "Jeffery 1922", exact, problem)
     figure, axes = axes_of()
@@ -49,10 +51,12 @@ def ellipse_in_shear(context):
     for k, (size, dt) in enumerate(((0.0125, 0.01), (0.00625, 0.005))):
         name = f"ellipse, Reynolds number 1, {0.1 / size:g} elements per minor axis: "
         try:
-            run = context.run("cases/ellipse_in_shear.edp", {"-dt": dt}, f"aidun_{size:g}", mesh=context.mesh("ellipse_in_shear", size, "--core", "0.3"))
+            run = context.run("cases/ellipse_in_shear.edp", {"-dt": dt}, f"aidun_{size:g}", mesh=context.mesh("ellipse_in_shear",
+                size, "--core", "0.3"))
             track = next(iter(run.folder.tracks.values()))
             axes.plot(track["t"], -track["omega"], **curve(k), label=f"{0.1 / size:g} elements per minor axis")
-            found[name] = (lateness(track, t, omega), abs(np.interp(t, track["t"], -track["omega"]) - omega).max(), half_turn(track), run.cpu_s)
+            found[name] = (lateness(track, t, omega), abs(np.interp(t, track["t"], -track["omega"]) - omega).max(),
+                half_turn(track), run.cpu_s)
         except Failed as problem:
             yield context.failed(name + "angular velocity", "Aidun et al. 1998", float("nan"), problem)
     axes.set_xlabel("G t")
@@ -62,16 +66,20 @@ def ellipse_in_shear(context):
     cells, turn = reference("ellipse_in_shear_second_scheme")
     second = np.polyfit(1 / cells, turn, 1)[1]
     for name, (late, distance, time, cpu) in found.items():
-        yield context.row(name + "half a period times G", f"lattice Boltzmann, {cells[0]:g} to {cells[-1]:g} cells, extrapolated", second, time, rtol=0.01, cpu_s=cpu, figure=path)
-        yield context.row(name + "how late it is half a turn on, over the time of that", "Aidun et al. 1998", 0, late, atol=0.02, cpu_s=cpu, figure=path)
-        yield context.row(name + "largest distance from the curve, over G", "Aidun et al. 1998", 0, distance, at_most=0.05, cpu_s=cpu, figure=path)
+        yield context.row(name + "half a period times G", f"lattice Boltzmann, {cells[0]:g} to {cells[-1]:g} cells, extrapolated",
+            second, time, rtol=0.01, cpu_s=cpu, figure=path)
+        yield context.row(name + "how late it is half a turn on, over the time of that", "Aidun et al. 1998", 0, late, atol=0.02,
+            cpu_s=cpu, figure=path)
+        yield context.row(name + "largest distance from the curve, over G", "Aidun et al. 1998", 0, distance, at_most=0.05,
+            cpu_s=cpu, figure=path)
 
 
 def missing(run):
     """(momentum that is missing over the weight's impulse, energy over the work), at the worst time."""
     b = run.folder.table("budget")
     weight = np.hypot(b["weight_x"][-1], b["weight_y"][-1])
-    momentum = np.max(np.hypot(b["momentum_x"] - b["walls_x"] - b["weight_x"], b["momentum_y"] - b["walls_y"] - b["weight_y"])) / weight
+    momentum = np.max(np.hypot(b["momentum_x"] - b["walls_x"] - b["weight_x"], b["momentum_y"] - b["walls_y"]
+        - b["weight_y"])) / weight
     return momentum, np.max(abs(b["kinetic_energy"] - b["work"] + b["dissipated"])) / b["work"][-1]
 
 
@@ -81,7 +89,8 @@ def budgets(context):
     found = {}
     for cells, dt in ((4, 0.005), (4, 0.0025), (4, 0.00125), (8, 0.0025), (8, 0.00125), (16, 0.00125)):
         try:
-            run = context.run("cases/settling_disk.edp", {"-budget": 1, "-dt": dt, "-tend": 0.3, "-every": 0.01}, f"budget_{cells}_{dt:g}", mesh=("settling_disk", 0.25 / cells))
+            run = context.run("cases/settling_disk.edp", {"-budget": 1, "-dt": dt, "-tend": 0.3, "-every": 0.01},
+                f"budget_{cells}_{dt:g}", mesh=("settling_disk", 0.25 / cells))
             found[cells, dt] = (*missing(run), run.cpu_s)
         except Failed as problem:
             yield context.failed(f"budgets, D/h = {cells}, dt = {dt:g}", "conservation", 0, problem)
@@ -104,13 +113,17 @@ def budgets(context):
     path = save(figure, context.figure_path("budgets"))
     for (cells, dt), (momentum, energy, cpu) in found.items():
         where = f"closed box, D/h = {cells}, dt = {dt:g} s: "
-        yield context.row(where + "momentum missing over the weight's impulse", "conservation", 0, momentum, at_most=0.0125 / cells, cpu_s=cpu, figure=path)
-        yield context.row(where + "energy missing over the work", "conservation", 0, energy, at_most=0.25 / cells, cpu_s=cpu, figure=path)
+        yield context.row(where + "momentum missing over the weight's impulse", "conservation", 0, momentum,
+            at_most=0.0125 / cells, cpu_s=cpu, figure=path)
+        yield context.row(where + "energy missing over the work", "conservation", 0, energy, at_most=0.25 / cells, cpu_s=cpu,
+            figure=path)
     if (4, 0.005) in found and (8, 0.0025) in found and (16, 0.00125) in found:
         order = np.log2(found[4, 0.005][0] / found[16, 0.00125][0]) / 2
-        yield context.row("closed box: order of the missing momentum, mesh and step refined together", "scheme: 1 and more", 1, order, at_least=1, figure=path)
+        yield context.row("closed box: order of the missing momentum, mesh and step refined together", "scheme: 1 and more", 1,
+            order, at_least=1, figure=path)
     if len(sizes) == 3:
-        yield context.row("closed box: order of the missing energy in h", "gradients at a cut edge: 1", 1, np.log(found[sizes[0]][1] / found[sizes[2]][1]) / np.log(4), at_least=0.7, figure=path)
+        yield context.row("closed box: order of the missing energy in h", "gradients at a cut edge: 1", 1,
+            np.log(found[sizes[0]][1] / found[sizes[2]][1]) / np.log(4), at_least=0.7, figure=path)
 
 
 VALIDATIONS = [ellipse_in_shear, budgets]

@@ -28,7 +28,8 @@ def coefficients(run, x="force_x", y="force_y"):
 
 def fine_mesh(context):
     """The channel with a cylinder that gives 2D-2 within 0.1 %."""
-    return context.mesh("cylinder_channel", 0.08, "--circle-points", "64", "--growth", "0.06", "--wake-factor", "1.3", "--wake-growth", "0.02")
+    return context.mesh("cylinder_channel", 0.08, "--circle-points", "64", "--growth", "0.06", "--wake-factor", "1.3",
+        "--wake-growth", "0.02")
 
 
 def vortices_of(run, since=5.0, **columns):
@@ -41,7 +42,8 @@ def poiseuille(context):
     run = context.run("cases/poiseuille.edp", {}, "poiseuille")
     off = run.folder.table("errors")
     for name, values in off.items():
-        yield context.row(f"Poiseuille: largest error of {name.replace('_', ' ')}", "exact", 0, values[-1], at_most=1e-9, cpu_s=run.cpu_s)
+        yield context.row(f"Poiseuille: largest error of {name.replace('_', ' ')}", "exact", 0, values[-1], at_most=1e-9,
+            cpu_s=run.cpu_s)
 
 
 def taylor_green(context):
@@ -61,7 +63,8 @@ def taylor_green(context):
         one.set_ylabel("L2 error")
         one.grid(True)
     for one, values, found, order in ((axes[0], sizes, space, 3), (axes[1], steps, time, 2)):
-        one.loglog(values, 0.6 * found[-1][0][0] * (np.array(values) / values[-1]) ** order, "k:", linewidth=0.8, label=f"order {order}")
+        one.loglog(values, 0.6 * found[-1][0][0] * (np.array(values) / values[-1]) ** order, "k:", linewidth=0.8,
+            label=f"order {order}")
         one.legend(loc="best")
     path = save(figure, context.figure_path("orders"))
     order = np.log2(np.divide(space[0][0], space[1][0]))
@@ -81,7 +84,8 @@ def cylinder_steady(context):
     found = [run.folder.results for run in runs]
     figure, axes = plt.subplots(figsize=(PAGE_WIDTH / 2, 3.0), layout="constrained")
     for k, (name, (target, _)) in enumerate(STEADY.items()):
-        axes.loglog([f["unknowns"] for f in found], [abs(f[name] / target - 1) for f in found], marker="o", **curve(k), label=name.replace("_", " "))
+        axes.loglog([f["unknowns"] for f in found], [abs(f[name] / target - 1) for f in found], marker="o", **curve(k),
+            label=name.replace("_", " "))
     axes.set_xlabel("unknowns")
     axes.set_ylabel("relative error")
     axes.grid(True)
@@ -100,7 +104,8 @@ def draw_vortices(runs, path):
         first = t[(t > 4.9) & (np.roll(lift, 1) < 0) & (lift >= 0)][0]  # phases agree
         for one, values in zip(axes, (drag, lift)):
             one.plot(t - first, values, **curve(k), label=name)
-    for one, levels, label in ((axes[0], (3.227393, 3.164263), "drag coefficient"), (axes[1], (0.9866, -1.0213), "lift coefficient")):
+    for one, levels, label in ((axes[0], (3.227393, 3.164263), "drag coefficient"), (axes[1], (0.9866, -1.0213),
+        "lift coefficient")):
         for level in levels:
             one.axhline(level, color="black", linewidth=0.7, linestyle=":")
         one.set_xlim(0, 0.75)
@@ -116,7 +121,8 @@ def cylinder_vortices(context):
     """DFG 2D-2 on the default mesh within 0.5 % and 5 s, on a fine one within 0.1 %; stabilised."""
     runs = {"default mesh": context.run("cases/cylinder_channel.edp", {}, "2d2_default"),
             "default, stabilised": context.run("cases/cylinder_channel.edp", {"-stabilise": 0.1}, "2d2_stabilised"),
-            "fine mesh": context.run("cases/cylinder_channel.edp", {"-dt": 0.001, "-tolerance": 1e-5, "-every": 0.1}, "2d2_fine", mesh=fine_mesh(context))}
+            "fine mesh": context.run("cases/cylinder_channel.edp", {"-dt": 0.001, "-tolerance": 1e-5, "-every": 0.1}, "2d2_fine",
+                mesh=fine_mesh(context))}
     figure = draw_vortices(runs, context.figure_path("2d2"))
     plain = vortices_of(runs["default mesh"])
     for name, rtol in (("default mesh", 0.005), ("fine mesh", 0.001)):
@@ -131,10 +137,12 @@ def cylinder_vortices(context):
 
 def cylinder_pulse(context):
     """DFG 2D-3: an inflow that rises and falls; maxima of drag and lift and when."""
-    run = context.run("cases/cylinder_channel.edp", {"-start": "sine", "-tend": 8, "-dt": 0.001, "-tolerance": 1e-5, "-every": 0.1}, "2d3", mesh=fine_mesh(context))
+    run = context.run("cases/cylinder_channel.edp", {"-start": "sine", "-tend": 8, "-dt": 0.001, "-tolerance": 1e-5,
+        "-every": 0.1}, "2d3", mesh=fine_mesh(context))
     t, drag, lift = coefficients(run)
     figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.8), layout="constrained")
-    for one, values, at, label in ((axes[0], drag, (3.93625, 2.950921575), "drag coefficient"), (axes[1], lift, (5.693125, 0.47795), "lift coefficient")):
+    for one, values, at, label in ((axes[0], drag, (3.93625, 2.950921575), "drag coefficient"),
+        (axes[1], lift, (5.693125, 0.47795), "lift coefficient")):
         one.plot(t, values, **curve(0))
         one.plot(*at, "o", markerfacecolor="white", markeredgecolor="black", label=f"{FEAT}, maximum")
         one.set_xlabel("t (s)")
@@ -159,14 +167,16 @@ def cavity(context):
     for one, name, letter in ((axes[0], "u", "y"), (axes[1], "v", "x")):
         given = read_table(REFERENCE / f"cavity_{name}_re1000_botella1998.csv")
         one.plot(lines["along"], lines[name], **curve(0), label=f"{run.folder.title}")
-        one.plot(given[letter], given[name], "o", markersize=3.5, markerfacecolor="white", markeredgecolor="black", label="Botella & Peyret 1998")
+        one.plot(given[letter], given[name], "o", markersize=3.5, markerfacecolor="white", markeredgecolor="black",
+            label="Botella & Peyret 1998")
         one.set_xlabel(f"{letter} (m)")
         one.set_ylabel(f"{name} (m/s)")
         one.grid(True)
     axes[0].legend(loc="best")
     found, cost = run.folder.results, {"cpu_s": run.cpu_s, "figure": save(figure, context.figure_path("cavity"))}
     for name, target in (("u_least", -0.3885698), ("v_most", 0.3769447), ("v_least", -0.5270771)):
-        yield context.row(f"cavity: {name.replace('_', ' ')} (m/s)", "Botella & Peyret 1998", target, found[name], rtol=0.001, **cost)
+        yield context.row(f"cavity: {name.replace('_', ' ')} (m/s)", "Botella & Peyret 1998", target, found[name], rtol=0.001,
+            **cost)
 
 
 def backward_step(context):
@@ -179,8 +189,10 @@ def backward_step(context):
     found = run.folder.results
     for k, name in enumerate(names):
         there = given[name] > 0
-        axes.plot(given["Re"][there], given[name][there], "o", markersize=3.5, markerfacecolor="white", markeredgecolor=curve(k)["color"])
-        axes.plot([800], [found.get(name, np.nan)], "x", color=curve(k)["color"], label=name.split("_", 1)[0] + " " + name.split("_", 1)[1].replace("_", " "))
+        axes.plot(given["Re"][there], given[name][there], "o", markersize=3.5, markerfacecolor="white",
+            markeredgecolor=curve(k)["color"])
+        axes.plot([800], [found.get(name, np.nan)], "x", color=curve(k)["color"], label=name.split("_", 1)[0] + " "
+            + name.split("_", 1)[1].replace("_", " "))
     axes.set_xlabel("Reynolds number")
     axes.set_ylabel("x over step height (circles: Erturk 2008)")
     axes.legend(loc="upper left")
@@ -189,20 +201,24 @@ def backward_step(context):
     for name in names:
         target = given[name][given["Re"] == 800][0]
         doubt = "two other schemes agree with the value measured: rows below" if name == "x4_upper_separation" else ""
-        yield context.row(f"step: {name.replace('_', ' ')} (heights)", "Erturk 2008", target, found.get(name, np.nan), rtol=0.01, reason=doubt, **cost)
+        yield context.row(f"step: {name.replace('_', ' ')} (heights)", "Erturk 2008", target, found.get(name, np.nan), rtol=0.01,
+            reason=doubt, **cost)
     others = read_table(REFERENCE / "backward_step_second_schemes.csv")
     for scheme, source in (("ngsolve", "NGSolve, third order"), ("differences", "finite differences, extrapolated")):
         for name, length in zip(names, others[scheme]):
-            yield context.row(f"step: {name.replace('_', ' ')} (heights)", source, length, found.get(name, np.nan), rtol=0.002, **cost)
+            yield context.row(f"step: {name.replace('_', ' ')} (heights)", source, length, found.get(name, np.nan), rtol=0.002,
+                **cost)
 
 
 def sudden_expansion(context):
     """Sudden expansion 1:3: symmetric below, asymmetric above, and the critical Reynolds number."""
-    runs = {reynolds: context.run("cases/sudden_expansion.edp", {"-reynolds": float(reynolds), "-search": int(reynolds == 40)}, f"expansion_{reynolds}")
+    runs = {reynolds: context.run("cases/sudden_expansion.edp", {"-reynolds": float(reynolds), "-search": int(reynolds == 40)},
+        f"expansion_{reynolds}")
             for reynolds in (35, 40, 50, 60)}
     found = {reynolds: run.folder.results for reynolds, run in runs.items()}
     figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.8), layout="constrained")
-    for one, name, label in ((axes[0], "growth", "growth rate (1/s)"), (axes[1], "asymmetry", "largest |v| on the axis over the speed")):
+    for one, name, label in ((axes[0], "growth", "growth rate (1/s)"), (axes[1], "asymmetry", "largest |v| on the axis over the "
+        "speed")):
         one.plot(list(found), [f[name] for f in found.values()], marker="o", **curve(0))
         one.axvline(40.45, color="black", linestyle=":", linewidth=0.8, label="Fearn et al. 1990")
         one.axhline(0, color="black", linewidth=0.5)
@@ -210,9 +226,11 @@ def sudden_expansion(context):
         one.set_ylabel(label)
     axes[0].legend(loc="best")
     path = save(figure, context.figure_path("expansion"))
-    yield context.row("expansion: critical Reynolds number", "Fearn, Mullin & Cliffe 1990", 40.45, found[40]["critical_reynolds"], rtol=0.01,
+    yield context.row("expansion: critical Reynolds number", "Fearn, Mullin & Cliffe 1990", 40.45, found[40]["critical_reynolds"],
+        rtol=0.01,
                       cpu_s=runs[40].cpu_s, figure=path)
-    yield context.row("expansion: asymmetry at 35", "symmetric", 0, found[35]["asymmetry"], at_most=1e-4, cpu_s=runs[35].cpu_s, figure=path)
+    yield context.row("expansion: asymmetry at 35", "symmetric", 0, found[35]["asymmetry"], at_most=1e-4, cpu_s=runs[35].cpu_s,
+        figure=path)
     for reynolds in (50, 60):
         yield context.row(f"expansion: asymmetry at {reynolds}", "asymmetric", np.nan, found[reynolds]["asymmetry"], at_least=0.01,
                           cpu_s=runs[reynolds].cpu_s, figure=path)
@@ -241,15 +259,20 @@ def stable_jet(context):
     for reynolds, run in runs.items():
         fluid, budget = run.folder.table("fluid"), run.folder.table("budget")
         last, cost = {name: values[-1] for name, values in budget.items()}, {"cpu_s": run.cpu_s, "figure": path}
-        yield context.row(f"jet at {reynolds:g}: largest speed (m/s)", "bounded", np.nan, fluid["top_speed"].max(), at_most=12, **cost)
+        yield context.row(f"jet at {reynolds:g}: largest speed (m/s)", "bounded", np.nan, fluid["top_speed"].max(), at_most=12,
+            **cost)
         yield context.row(f"jet at {reynolds:g}: energy not accounted for over that supplied", "energy budget", 0,
                           abs(last["rest"]) / last["supplied"], at_most=1e-3, **cost)
-        shares = ", ".join(f"{name} {100 * last[name] / last['supplied']:.2g} %" for name in ("gained", "damped", "dissipated", "smoothed", "left", "split"))
-        yield context.row(f"jet at {reynolds:g}: energy taken by time stepping and splitting over that supplied", "energy budget", 0,
+        shares = ", ".join(f"{name} {100 * last[name] / last['supplied']:.2g} %" for name in ("gained", "damped", "dissipated",
+            "smoothed", "left", "split"))
+        yield context.row(f"jet at {reynolds:g}: energy taken by time stepping and splitting over that supplied", "energy budget",
+            0,
                           abs(last["damped"] + last["split"]) / last["supplied"], at_most=0.05, reason=shares, **cost)
     run = context.run("cases/pipe_obstacles.edp", {"-reynolds": 1e4, "-number": 5, "-first": 0.1, "-tend": 1.0}, "particles_1e4")
     fluid = run.folder.table("fluid")
-    yield context.row("5 particles through the jet at 1e4: largest speed (m/s)", "bounded", np.nan, fluid["top_speed"].max(), at_most=12, cpu_s=run.cpu_s)
+    yield context.row("5 particles through the jet at 1e4: largest speed (m/s)", "bounded", np.nan, fluid["top_speed"].max(),
+        at_most=12, cpu_s=run.cpu_s)
 
 
-VALIDATIONS = [poiseuille, taylor_green, cylinder_steady, cylinder_vortices, cylinder_pulse, cavity, backward_step, sudden_expansion, stable_jet, turbulence]
+VALIDATIONS = [poiseuille, taylor_green, cylinder_steady, cylinder_vortices, cylinder_pulse, cavity, backward_step,
+    sudden_expansion, stable_jet, turbulence]

@@ -1,7 +1,8 @@
 """A cylinder that is moved to and fro: Morison's coefficients of the force on it.
 
 H. Duetsch, F. Durst, S. Becker & H. Lienhart, J. Fluid Mech. 360 (1998) 249: C_d = 2.09, C_i = 1.45 at a Reynolds number of
-100 and a Keulegan-Carpenter number of 5. Body-fitted: tools/peers/body_fitted/oscillating_cylinder.edp, in the frame of the cylinder.
+100 and a Keulegan-Carpenter number of 5. Body-fitted: tools/peers/body_fitted/oscillating_cylinder.edp, in the frame of the
+cylinder.
 """
 import numpy as np
 
@@ -31,7 +32,8 @@ def oscillating_cylinder(context):
     rows = []
     for k, cells in enumerate((12, 16, 24)):
         try:
-            run = context.run(CASE, {"-dt": 0.3 / cells, "-every": 0}, f"oscillating_{cells}", mesh=("oscillating_cylinder", 1 / cells))
+            run = context.run(CASE, {"-dt": 0.3 / cells, "-every": 0}, f"oscillating_{cells}", mesh=("oscillating_cylinder",
+                1 / cells))
         except Failed as problem:
             rows.append(context.failed(f"oscillating cylinder, {cells} elements per diameter", "body-fitted", FITTED[0], problem))
             continue
@@ -41,8 +43,10 @@ def oscillating_cylinder(context):
         found = coefficients(t, force)
         axes.plot((t - t[-1]) / KC + 1, force, **curve(k), label=f"{cells} elements per diameter")
         for name, value, fitted, published in zip(("C_d", "C_i"), found, FITTED, PUBLISHED):
-            rows.append(context.row(f"oscillating cylinder, {cells} elements per diameter: {name}", "body-fitted P2/P1", fitted, value, rtol={12: 0.03, 16: 0.02, 24: 0.01}[cells], cpu_s=run.cpu_s))
-            rows.append(context.row(f"oscillating cylinder, {cells} elements per diameter: {name}", "Duetsch et al. 1998", published, value, rtol=0.03, cpu_s=run.cpu_s))
+            rows.append(context.row(f"oscillating cylinder, {cells} elements per diameter: {name}", "body-fitted P2/P1", fitted,
+                value, rtol={12: 0.03, 16: 0.02, 24: 0.01}[cells], cpu_s=run.cpu_s))
+            rows.append(context.row(f"oscillating cylinder, {cells} elements per diameter: {name}", "Duetsch et al. 1998",
+                published, value, rtol=0.03, cpu_s=run.cpu_s))
     phase = np.linspace(0, 1, 200)
     axes.plot(phase, terms(phase * KC) @ PUBLISHED, "k:", linewidth=1, label="Morison's equation, Duetsch et al. 1998")
     axes.set_xlabel("time over the period")

@@ -23,9 +23,11 @@ OFFSETS = ((0, 0), (0.25, 0.1), (0.5, 0.37), (0.1, 0.6))            # of an elem
 ALLOWED = {11: None, 22: 0.005, 44: 0.005}                          # relative error of the mean
 ACROSS = (12, 16, 24)                                               # elements per diameter of the cylinder that sheds vortices
 Quantity = namedtuple("Quantity", "name unit case options exact source diameter read")
-DRAG = Quantity("drag", "F/(mu U)", "cylinder_array", {"-fraction": FRACTION, "-tend": 0.6}, 24.83, "Sangani & Acrivos 1982", 2 * np.sqrt(FRACTION / np.pi),
+DRAG = Quantity("drag", "F/(mu U)", "cylinder_array", {"-fraction": FRACTION, "-tend": 0.6}, 24.83, "Sangani & Acrivos 1982",
+    2 * np.sqrt(FRACTION / np.pi),
                 lambda run: float(run.folder.table("summary")["drag_by_balance"][-1]))
-TORQUE = Quantity("torque", "T/(mu omega R^2)", "rotating_cylinder", {"-radius": RADIUS, "-tend": 0.4}, 4 * np.pi, "Lamb", 2 * RADIUS,
+TORQUE = Quantity("torque", "T/(mu omega R^2)", "rotating_cylinder", {"-radius": RADIUS, "-tend": 0.4}, 4 * np.pi, "Lamb",
+    2 * RADIUS,
                   lambda run: -float(run.folder.table("forces")["torque"][-1]) / RADIUS**2)
 
 
@@ -54,14 +56,17 @@ def family(context, quantity, pattern, axes, k):
             continue
         size_of[cells] = float(np.sqrt((found**2).mean()))
         scatter = f"from {100 * found.min():.2f} to {100 * found.max():.2f} % over the offsets"
-        axes.errorbar(across, size_of[cells], yerr=[[0], [max(0.0, abs(found).max() - size_of[cells])]], color=curve(k)["color"], capsize=3)
+        axes.errorbar(across, size_of[cells], yerr=[[0], [max(0.0, abs(found).max() - size_of[cells])]], color=curve(k)["color"],
+            capsize=3)
         if ALLOWED[cells]:
-            rows.append(context.row(f"{name}, mean {quantity.unit}", quantity.source, quantity.exact, quantity.exact * (1 + found.mean()), rtol=ALLOWED[cells],
+            rows.append(context.row(f"{name}, mean {quantity.unit}", quantity.source, quantity.exact,
+                quantity.exact * (1 + found.mean()), rtol=ALLOWED[cells],
                                     cpu_s=cpu, reason=scatter))
     if len(size_of) == len(CELLS):
         axes.loglog(quantity.diameter * np.array(CELLS), list(size_of.values()), **curve(k), marker="o", label=pattern)
         order = -np.polyfit(np.log(CELLS), np.log(list(size_of.values())), 1)[0]
-        rows.append(context.row(f"held cylinder, {pattern} meshes: order of the root mean square error of the {quantity.name}", "second order", 2, order, at_least=1.8))
+        rows.append(context.row(f"held cylinder, {pattern} meshes: order of the root mean square error of the {quantity.name}",
+            "second order", 2, order, at_least=1.8))
     return rows
 
 
@@ -107,10 +112,12 @@ def held_vortices(context):
     figure.legend(loc="outside right upper")
     path = save(figure, context.figure_path("vortices"))
     for name, target, measured in zip(VORTICES, VORTICES.values(), found[ACROSS[-1]]):
-        yield context.row(f"2D-2, held body, {ACROSS[-1]} elements per diameter: {name}", FEAT, target, measured, rtol=0.01, cpu_s=cost[ACROSS[-1]], figure=path)
+        yield context.row(f"2D-2, held body, {ACROSS[-1]} elements per diameter: {name}", FEAT, target, measured, rtol=0.01,
+            cpu_s=cost[ACROSS[-1]], figure=path)
     orders = -np.polyfit(np.log(ACROSS), np.log(off), 1)[0]
     for name, order in list(zip(VORTICES, orders))[:3]:
-        yield context.row(f"2D-2, held body: order of the {name}", "second order", 2, order, at_least=1.8, cpu_s=sum(cost.values()), figure=path)
+        yield context.row(f"2D-2, held body: order of the {name}", "second order", 2, order, at_least=1.8,
+            cpu_s=sum(cost.values()), figure=path)
 
 
 VALIDATIONS = [interface_order, held_vortices]

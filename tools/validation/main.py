@@ -68,7 +68,8 @@ def parser(prog="python -m tools.validate", description=__doc__, folder="validat
     options.add_argument("names", nargs="*", metavar="CASE", help="comparisons (default: all)")
     options.add_argument("--case", action="append", default=[], metavar="NAME", help="a comparison by name")
     options.add_argument("--list", action="store_true", help="list the comparisons")
-    options.add_argument("--out", type=out_folder, default=str(ROOT / "results" / folder), metavar="DIR", help=f"where the report goes (default results/{folder})")
+    options.add_argument("--out", type=out_folder, default=str(ROOT / "results" / folder), metavar="DIR",
+        help=f"where the report goes (default results/{folder})")
     options.add_argument("--limit", type=positive, default=3600.0, metavar="S", help="most seconds of one run (default 3600)")
     return options
 

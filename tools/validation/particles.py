@@ -61,7 +61,8 @@ def cylinder_array(context):
     found, size = {}, 1 / 32
     for fraction, exact in ARRAY.items():
         try:
-            run = context.run("cases/cylinder_array.edp", {"-fraction": fraction, "-dt": steps(size), "-tend": 0.6 if fraction < 0.2 else 0.3},
+            run = context.run("cases/cylinder_array.edp", {"-fraction": fraction, "-dt": steps(size), "-tend": 0.6
+                if fraction < 0.2 else 0.3},
                               f"array_{fraction:g}", mesh=("cylinder_array", size))
             found[fraction] = (last(run, "summary", "drag"), run.cpu_s)
         except Failed as problem:
@@ -88,8 +89,10 @@ def cylinder_between_plates(context):
                 continue
             name = f"between plates, R/H = {ratio:g}, H/h = {cells}: F/(mu U)"
             try:
-                run = context.run("cases/cylinder_between_plates.edp", {"-radius": ratio, "-x": 2.0, "-dt": steps(1 / cells), "-tend": {16: 0.4, 32: 0.3, 64: 0.1}[cells]},
-                                  f"plates_{ratio:g}_{cells}", mesh=context.mesh("cylinder_between_plates", 1 / cells, "--length", "4"))
+                run = context.run("cases/cylinder_between_plates.edp", {"-radius": ratio, "-x": 2.0, "-dt": steps(1 / cells),
+                    "-tend": {16: 0.4, 32: 0.3, 64: 0.1}[cells]},
+                                  f"plates_{ratio:g}_{cells}", mesh=context.mesh("cylinder_between_plates", 1 / cells, "--length",
+                                      "4"))
                 found[ratio, cells] = (last(run, "summary", "drag"), run.cpu_s)
             except Failed as problem:
                 yield context.failed(name, FITTED, exact, problem)
@@ -119,11 +122,13 @@ def couette_rotation(context):
     for cells in (16, 32):
         for ratio, exact in OMEGA.items():
             try:
-                run = context.run("cases/couette_disk.edp", {"-reynolds": 0.0, "-radius": ratio, "-y": 0.5, "-length": 4.0, "-dt": steps(1 / cells), "-tend": 0.4, "-tolerance": 1e-7},
+                run = context.run("cases/couette_disk.edp", {"-reynolds": 0.0, "-radius": ratio, "-y": 0.5, "-length": 4.0,
+                    "-dt": steps(1 / cells), "-tend": 0.4, "-tolerance": 1e-7},
                                   f"rotation_{ratio:g}_{cells}", mesh=context.mesh("couette_disk", 1 / cells, "--length", "4"))
                 found[ratio, cells] = (-2 * last(run, "particles", "omega"), run.cpu_s)
             except Failed as problem:
-                yield context.failed(f"in shear, R/H = {ratio:g}, H/h = {cells}: |omega| over half the shear rate", FITTED, exact, problem)
+                yield context.failed(f"in shear, R/H = {ratio:g}, H/h = {cells}: |omega| over half the shear rate", FITTED, exact,
+                    problem)
     figure, axes = axes_of()
     r, omega = reference("cylinder_in_couette_rotation_dvinsky1987_fig11")
     points(axes, r, -omega, "Dvinsky & Popel 1987, digitised")
@@ -136,7 +141,8 @@ def couette_rotation(context):
     axes.legend(loc="best")
     path = save(figure, context.figure_path("rotation"))
     for (ratio, cells), (omega, cpu) in found.items():
-        yield context.row(f"in shear, R/H = {ratio:g}, H/h = {cells}: |omega| over half the shear rate", FITTED, OMEGA[ratio], omega,
+        yield context.row(f"in shear, R/H = {ratio:g}, H/h = {cells}: |omega| over half the shear rate", FITTED, OMEGA[ratio],
+            omega,
                           rtol=0.005, cpu_s=cpu, figure=path)
 
 
@@ -149,10 +155,12 @@ def shear_migration(context):
     axes.plot(*second, "k+", label="lattice Boltzmann, period 1")
     found, apart = {}, {}
     # with a period of 1 the curve found does not depend on mesh and step, but lies off the published one
-    for k, (cells, dt, length, end) in enumerate(((8, 0.02, 1, 160), (16, 0.02, 1, 60), (8, 0.02, 4, 160), (8, 0.01, 4, 60), (8, 0.02, 8, 60))):
+    for k, (cells, dt, length, end) in enumerate(((8, 0.02, 1, 160), (16, 0.02, 1, 60), (8, 0.02, 4, 160), (8, 0.01, 4, 60),
+        (8, 0.02, 8, 60))):
         name = f"D/h = {cells}, dt = {dt:g}, period {length}"
         try:
-            run = context.run("cases/couette_disk.edp", {"-dt": dt, "-every": 0.5, "-length": length, "-tend": end}, f"migration_{cells}_{dt:g}_{length}",
+            run = context.run("cases/couette_disk.edp", {"-dt": dt, "-every": 0.5, "-length": length, "-tend": end},
+                f"migration_{cells}_{dt:g}_{length}",
                               mesh=context.mesh("couette_disk", 0.25 / cells, "--length", str(length)))
             track = next(iter(run.folder.tracks.values()))
             found[name] = (followed(axes, k, name, (track["t"], track["y"]), (t, y), end + 0.1), run.cpu_s)
@@ -168,7 +176,8 @@ def shear_migration(context):
         yield context.row(f"drift in shear, {name}: largest distance of the heights", "Feng et al. 1994", 0, off,
                           at_most=0.005, cpu_s=cpu, figure=path)
         if name in apart:
-            yield context.row(f"drift in shear, {name}: the same", "lattice Boltzmann, period 1", 0, apart[name], at_most=0.005, cpu_s=cpu, figure=path)
+            yield context.row(f"drift in shear, {name}: the same", "lattice Boltzmann, period 1", 0, apart[name], at_most=0.005,
+                cpu_s=cpu, figure=path)
 
 
 def segre_silberberg(context):
@@ -180,10 +189,12 @@ def segre_silberberg(context):
     for k, (cells, dt) in enumerate(((8, 0.4), (16, 0.1))):
         name = f"in Poiseuille flow, D/h = {cells}, dt = {dt:g}: "
         try:
-            run = context.run("cases/segre_silberberg.edp", {"-dt": dt, "-tend": 900.0, "-every": 2.0}, f"segre_{cells}", mesh=("segre_silberberg", 0.25 / cells))
+            run = context.run("cases/segre_silberberg.edp", {"-dt": dt, "-tend": 900.0, "-every": 2.0}, f"segre_{cells}",
+                mesh=("segre_silberberg", 0.25 / cells))
             track = next(iter(run.folder.tracks.values()))
             far = track["x"] - track["x"][0]
-            found[name] = (track["y"][-1], followed(axes, k, f"D/h = {cells}, dt = {dt:g}", (far, track["y"]), (s, y), far[-1]), run.cpu_s)
+            found[name] = (track["y"][-1], followed(axes, k, f"D/h = {cells}, dt = {dt:g}", (far, track["y"]), (s, y), far[-1]),
+                run.cpu_s)
         except Failed as problem:
             yield context.failed(name + "height at the end", "Pan & Glowinski 2002", 0.2723, problem)
     axes.set_xlabel("distance travelled")
@@ -192,7 +203,8 @@ def segre_silberberg(context):
     path = save(figure, context.figure_path("segre_silberberg"))
     for name, (height, off, cpu) in found.items():
         yield context.row(name + "height at the end", "Pan & Glowinski 2002", 0.2723, height, atol=0.002, cpu_s=cpu, figure=path)
-        yield context.row(name + "largest distance of the paths", "Pan & Glowinski 2002", 0, off, at_most=0.01, cpu_s=cpu, figure=path)
+        yield context.row(name + "largest distance of the paths", "Pan & Glowinski 2002", 0, off, at_most=0.01, cpu_s=cpu,
+            figure=path)
 
 
 def drafting_kissing_tumbling(context):
@@ -204,7 +216,8 @@ def drafting_kissing_tumbling(context):
     for k, (cells, dt) in enumerate(((6, 0.0005), (12, 0.00025))):
         name = f"two disks, D/h = {cells}: "
         try:
-            run = context.run("cases/drafting_kissing_tumbling.edp", {"-dt": dt, "-tend": 0.3}, f"two_{cells}", mesh=("drafting_kissing_tumbling", 0.25 / cells))
+            run = context.run("cases/drafting_kissing_tumbling.edp", {"-dt": dt, "-tend": 0.3}, f"two_{cells}",
+                mesh=("drafting_kissing_tumbling", 0.25 / cells))
             low, high = run.folder.tracks[0], run.folder.tracks[1]
             found[name] = (low, high, run, cells)
             for one in (low, high):
@@ -218,12 +231,15 @@ def drafting_kissing_tumbling(context):
     second = read_table(ROOT / "tests" / "reference" / "two_disks_second_scheme.csv")
     for name, (low, high, run, cells) in found.items():
         cost = {"cpu_s": run.cpu_s, "figure": path}
-        yield context.row(name + "height of the leading disk at 0.15 s (cm)", "3.122 (Koblitz), 3.147 (Uhlmann), 3.171 (Glowinski)", 3.1465,
+        yield context.row(name + "height of the leading disk at 0.15 s (cm)", "3.122 (Koblitz), 3.147 (Uhlmann), 3.171 "
+            "(Glowinski)", 3.1465,
                           np.interp(0.15, low["t"], low["y"]), atol=0.0245, **cost)
-        yield context.row(name + "height of the trailing disk at 0.15 s (cm)", "3.483 (Glowinski), 3.511 (Uhlmann), 3.517 (Koblitz)", 3.5,
+        yield context.row(name + "height of the trailing disk at 0.15 s (cm)", "3.483 (Glowinski), 3.511 (Uhlmann), 3.517 "
+            "(Koblitz)", 3.5,
                           np.interp(0.15, high["t"], high["y"]), atol=0.017, **cost)
         if cells == 12:  # the second scheme's own error is below what is allowed of a fine mesh only
-            for who, track, height in (("leading", low, second["leading_y_cm"][-1]), ("trailing", high, second["trailing_y_cm"][-1])):
+            for who, track, height in (("leading", low, second["leading_y_cm"][-1]),
+                ("trailing", high, second["trailing_y_cm"][-1])):
                 yield context.row(name + f"height of the {who} disk at 0.15 s (cm)", "lattice Boltzmann, 48 cells across", height,
                                   np.interp(0.15, track["t"], track["y"]), atol=0.01, **cost)
         touch = run.folder.contacts["t"]
@@ -231,7 +247,8 @@ def drafting_kissing_tumbling(context):
         yield context.row(name + "time of the first contact (s)", "0.158, 0.168, 0.173", 0.165, touch, atol=0.01, **cost)
         n = min(len(low["t"]), len(high["t"]))
         lean = np.degrees(np.arctan2(abs(high["x"][:n] - low["x"][:n]), high["y"][:n] - low["y"][:n])).max()
-        yield context.row(name + "largest angle of the pair from the vertical (degrees)", "tumbles", float("nan"), lean, at_least=45, **cost)
+        yield context.row(name + "largest angle of the pair from the vertical (degrees)", "tumbles", float("nan"), lean,
+            at_least=45, **cost)
 
 
 def fast_settling(context):
@@ -242,7 +259,8 @@ def fast_settling(context):
         try:
             run = context.run("cases/settling_disk.edp", {"-rhos": 1.5, "-mu": 0.01, "-dt": dt, "-tend": 0.35},
                               f"fast_{cells}",
-                              mesh=context.mesh("box_corridor", 0.25 / cells, "--pattern", "alternating"))  # symmetric, as the scene is
+                              # symmetric, as the scene is
+                              mesh=context.mesh("box_corridor", 0.25 / cells, "--pattern", "alternating"))
             track = next(iter(run.folder.tracks.values()))
             reynolds = 1.5 * 0.25 * np.hypot(track["u"], track["v"]) / 0.01  # with the density of the disk, as published
             found[cells] = (reynolds.max(), run.cpu_s)
@@ -259,7 +277,8 @@ def fast_settling(context):
         if cells == max(found):
             yield context.row(name, "505, 497, 512 (three methods)", 505, most, rtol=0.02, cpu_s=cpu, figure=path)
         else:
-            yield context.row(name + " (grid study)", "above the under-resolved published 438 to 466", float("nan"), most, at_least=466, cpu_s=cpu, figure=path)
+            yield context.row(name + " (grid study)", "above the under-resolved published 438 to 466", float("nan"), most,
+                at_least=466, cpu_s=cpu, figure=path)
 
 
 def started(ratio, nu, end, radius=0.125, gravity=981.0, number=400):
@@ -287,9 +306,11 @@ def density_ratios(context):
         gain = np.interp(time, track["t"], track["v"])
         exact = started(ratio, 0.01, time)
         if ratio == 1:
-            yield context.row("density ratio 1: largest speed of a disk at rest (cm/s)", "exact", 0, abs(track["v"]).max(), at_most=1e-6, cpu_s=run.cpu_s)
+            yield context.row("density ratio 1: largest speed of a disk at rest (cm/s)", "exact", 0, abs(track["v"]).max(),
+                at_most=1e-6, cpu_s=run.cpu_s)
         else:
-            yield context.row(f"density ratio {ratio:g}: velocity after {time:g} s (cm/s), D/h = 8", "added mass and Basset drag", exact, gain, rtol=0.05, cpu_s=run.cpu_s)
+            yield context.row(f"density ratio {ratio:g}: velocity after {time:g} s (cm/s), D/h = 8", "added mass and Basset drag",
+                exact, gain, rtol=0.05, cpu_s=run.cpu_s)
 
 
 VALIDATIONS = [cylinder_array, cylinder_between_plates, couette_rotation, density_ratios, fast_settling, shear_migration,

@@ -12,7 +12,8 @@ from tools.validation.particles import axes_of, last
 CASE, END, STREAM, DIAMETER = "cases/carried_disk.edp", 0.4, 1.0, 0.24
 MOVES = (0.05, 0.1, 0.2, 0.4, 0.7, 1.3)  # of the stream in a step, in elements
 # element size, viscosity: bounds on the loss of velocity with moves below 0.4, and from there on
-SCENES = {(1 / 32, 0.005): (0.01, 0.01), (1 / 32, 0.002): (0.04, 0.02), (1 / 32, 0.001): (0.07, 0.035), (1 / 16, 0.005): (0.07, 0.06)}
+SCENES = {(1 / 32, 0.005): (0.01, 0.01), (1 / 32, 0.002): (0.04, 0.02), (1 / 32, 0.001): (0.07, 0.035), (1 / 16, 0.005): (0.07,
+    0.06)}
 
 
 def loss(context, size, mu, move):
@@ -20,7 +21,8 @@ def loss(context, size, mu, move):
     dt = END / max(4, round(END / (move * size / STREAM)))
     found, cpu = [], 0
     for stream in (0, STREAM):
-        run = context.run(CASE, {"-stream": stream, "-mu": mu, "-dt": dt, "-cfl": 0, "-tend": END, "-every": END, "-tolerance": 1e-6},
+        run = context.run(CASE, {"-stream": stream, "-mu": mu, "-dt": dt, "-cfl": 0, "-tend": END, "-every": END,
+            "-tolerance": 1e-6},
                           f"{size:g}_{mu:g}_{move:g}_{stream:g}", mesh=("periodic_box", size))
         found.append(last(run, "particles", "v"))
         cpu += run.cpu_s

@@ -2,7 +2,8 @@
 
 One free disk in the middle of a periodic cell, Stokes flow: body-fitted P2/P1 (the script stands in
 tests/flow/test_wallforces.py). Many disks: no exact value; Einstein's law, 1 + 2 phi in two dimensions
-(Brady, Int. J. Multiphase Flow 10 (1984) 113), holds for few of them far from each other and is what more of them exceed. At a share
+(Brady, Int. J. Multiphase Flow 10 (1984) 113), holds for few of them far from each other and is what more of them exceed. At a
+share
 of 0.05, two disks that meet again and again, the step is to leave no error: a quarter of it is run beside.
 """
 import numpy as np
@@ -28,7 +29,8 @@ def single(context, radius, cells):
     path = context.out / f"one_{radius:g}.csv"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(f"id,x,y,radius,density\n0,0.5,0.5,{radius:g},1\n")
-    run = context.run(CASE, {"-fraction": 0, "-particles": str(path), "-convection": 0, "-dt": 0.08 / cells, "-tend": 0.4, "-every": 0.01, "-tolerance": 1e-7},
+    run = context.run(CASE, {"-fraction": 0, "-particles": str(path), "-convection": 0, "-dt": 0.08 / cells, "-tend": 0.4,
+        "-every": 0.01, "-tolerance": 1e-7},
                       f"one_{radius:g}_{cells}", mesh=("couette_disk", 1 / cells))
     return viscosity(run, 0.35, 0.4), run.cpu_s
 
@@ -45,7 +47,8 @@ def sheared_suspension(context):
             name = f"one disk, R/H = {radius:g}, {2 * radius * cells:g} elements per diameter: what it adds to the viscosity"
             try:
                 found, cpu = single(context, radius, cells)
-                yield context.row(name, "body-fitted P2/P1", exact - 1, found - 1, rtol=0.01 if 2 * radius * cells > 8 else 0.03, cpu_s=cpu)
+                yield context.row(name, "body-fitted P2/P1", exact - 1, found - 1, rtol=0.01 if 2 * radius * cells > 8 else 0.03,
+                    cpu_s=cpu)
             except Failed as problem:
                 yield context.failed(name, "body-fitted P2/P1", exact - 1, problem)
     found, gaps, cpu = {}, [], 0.0
@@ -69,7 +72,8 @@ def sheared_suspension(context):
     axes.legend(loc="upper left")
     path = save(figure, context.figure_path("viscosity"))
     for share, values in found.items():
-        yield context.row(f"solid fraction {share:g}: relative viscosity, mean of {len(values)} seeds (standard deviation {spread(values):.3f})", "above Einstein's law",
+        yield context.row(f"solid fraction {share:g}: relative viscosity, mean of {len(values)} seeds (standard deviation "
+            f"{spread(values):.3f})", "above Einstein's law",
                           1 + 2 * share, np.mean(values), at_least=1 + 2 * share, cpu_s=cpu / len(found), figure=path)
     share, fine, cpu = SHARES[0], [], 0.0
     try:
@@ -77,10 +81,12 @@ def sheared_suspension(context):
             run = context.run(CASE, {"-fraction": share, "-seed": seed, "-dt": 0.005}, f"share_{share:g}_{seed}_fine")
             fine.append(viscosity(run, 10.0, 20.0))
             cpu += run.cpu_s
-        yield context.row(f"solid fraction {share:g}: relative viscosity", "a quarter of the time step", np.mean(fine), np.mean(found[share]), atol=0.01, cpu_s=cpu)
+        yield context.row(f"solid fraction {share:g}: relative viscosity", "a quarter of the time step", np.mean(fine),
+            np.mean(found[share]), atol=0.01, cpu_s=cpu)
     except (Failed, KeyError) as problem:
         yield context.failed(f"solid fraction {share:g}: relative viscosity", "a quarter of the time step", float("nan"), problem)
-    yield context.row("least gap of all runs over the radius", "nothing overlaps, over the seam neither", 0, min(gaps), at_least=-1e-6)
+    yield context.row("least gap of all runs over the radius", "nothing overlaps, over the seam neither", 0, min(gaps),
+        at_least=-1e-6)
 
 
 VALIDATIONS = [sheared_suspension]

@@ -1,7 +1,8 @@
 """Lefebvre's penalty as published and its limit, the standard scheme, on one settling disk.
 
 Mean velocity over t in [0.225, 0.3] s of the disk of cases/settling_disk.edp; a body-fitted
-transient (tests/reference/settling_disk_body_fitted.csv) gives -5.3816 cm/s. The penalty eps runs from 1 to 1e-10 on meshes of 4 and 6 elements
+transient (tests/reference/settling_disk_body_fitted.csv) gives -5.3816 cm/s. The penalty eps runs from 1 to 1e-10 on meshes of 4
+and 6 elements
 across the disk, and the indicators (which part of an element is particle) at eps = 1e-6;
 their errors stand in penalty.csv beside the figure.
 As eps -> 0 the published scheme settles on an error of its own, that of its mesh, which falls about as h,
@@ -21,7 +22,8 @@ INDICATORS = ("levelset", "smooth")  # beside "centre", the default
 
 def fall(context, cells, name, **options):
     """(relative error of the mean velocity, CPU time in s)."""
-    run = context.run("cases/settling_disk.edp", {"-tend": 0.3, **{f"-{key}": value for key, value in options.items()}}, f"{name}_{cells}",
+    run = context.run("cases/settling_disk.edp", {"-tend": 0.3, **{f"-{key}": value for key, value in options.items()}},
+        f"{name}_{cells}",
                       mesh=context.mesh("settling_disk", DIAMETER / cells))
     return quantities.mean_v(run.folder, *WINDOW) / EXACT - 1, run.cpu_s
 
@@ -58,15 +60,18 @@ def two_methods(context):
     for cells in (4, 6):
         label = f"standard scheme, D/h = {cells}"
         standard = tried(label, cells, "standard", dt=0.005 / cells)
-        points = [(eps, tried(f"published, eps = {eps:g}, D/h = {cells}", cells, f"eps_{eps:g}", scheme="published", penalty=eps, dt=0.005))
+        points = [(eps, tried(f"published, eps = {eps:g}, D/h = {cells}", cells, f"eps_{eps:g}", scheme="published", penalty=eps,
+            dt=0.005))
                   for eps in PENALTIES]
         points = [(eps, *found) for eps, found in points if found]
         if standard:
-            rows.append(context.row(label + ": mean velocity over 0.225 to 0.3 s (cm/s)", FITTED, EXACT, EXACT * (1 + standard[0]), rtol=0.01, cpu_s=standard[1]))
+            rows.append(context.row(label + ": mean velocity over 0.225 to 0.3 s (cm/s)", FITTED, EXACT, EXACT * (1 + standard[0]),
+                rtol=0.01, cpu_s=standard[1]))
             standards[cells] = standard[0]
         small = [error for eps, error, _ in points if eps in (1e-6, 1e-8)]
         if len(small) == 2:
-            rows.append(context.row(f"published, D/h = {cells}: change of the error from eps = 1e-6 to 1e-8", "limit of the penalty", 0, abs(small[0] - small[1]), at_most=0.005))
+            rows.append(context.row(f"published, D/h = {cells}: change of the error from eps = 1e-6 to 1e-8",
+                "limit of the penalty", 0, abs(small[0] - small[1]), at_most=0.005))
         table += [("centre", eps, cells, error, cpu) for eps, error, cpu in points]
     for indicator in INDICATORS:
         found = tried(f"published, indicator {indicator}", 4, indicator, scheme="published", indicator=indicator, dt=0.005)
