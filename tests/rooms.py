@@ -197,6 +197,19 @@ class Library:
         return sorted({tuple(sorted({path} | {other for other in reach[path] if path in reach[other]})) for path in self.files
             if path in reach[path]})
 
+    def unreached(self):
+        """Names that a file uses although neither its includes nor the files it needs before it, with theirs, declare them: (file, name)."""
+        found = []
+        for path in self.files:
+            known, open_ends = set(), [path, *re.findall(r"lib/[\w/]+\.idp", header_says(self.given[path], "Needs"))]
+            while open_ends:
+                one = open_ends.pop()
+                if one in self.given and one not in known:
+                    known.add(one)
+                    open_ends += included(self.given[one])
+            found += [(path, name) for name in sorted(self.used(path)) if not self.owners[name] & known]
+        return found
+
     def writers(self):
         """{file: {other file: names}}: who else writes what a file of lib/ declares."""
         found = {path: {} for path in self.files}

@@ -35,6 +35,10 @@ def test_no_files_use_each_other_in_a_circle():
     assert LIBRARY.circles() == []
 
 
+def test_a_file_includes_or_says_that_it_needs_what_it_uses():
+    assert LIBRARY.unreached() == []
+
+
 @pytest.mark.parametrize("path", LIBRARY.files)
 def test_a_header_says_which_other_files_write_its_variables(path):
     """"Written by: lib/room/file.idp (names), ..." names them all, and none besides."""
@@ -55,6 +59,10 @@ def test_what_points_upwards_is_found(path, line, what):
 def test_names_of_a_file_s_own_are_no_use_of_a_higher_room():
     line = "func int mine(real[int] & pressurePsi) { real flowTop = pressurePsi.max; return flowTop > 0; } // bodyQ\nstring words = \"bodyQ\";"
     assert with_line("lib/core/arrays.idp", line).upward(FLOORS) == []
+
+
+def test_what_a_file_uses_without_its_include_is_found():
+    assert with_line("lib/mesh/quadrature.idp", "cellsSetUp();").unreached() == [("lib/mesh/quadrature.idp", "cellsSetUp")]
 
 
 def test_a_circle_is_found():
