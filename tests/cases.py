@@ -21,6 +21,7 @@ CASES = {
     "turbulent_step": ["-size", "0.25", "-inlet", "5", "-outlet", "12", "-tolerance", "0.1"],
     "diaphragm_loss": ["-cells", "6", "-outlet", "6", "-tolerance", "0.5"],
     "settling_disk": ["-tend", "0.01"],
+    "sinking_disk": ["-tend", "0.03"],
     "template": ["-tend", "0.01"],
     "branching_channel": ["-tend", "0.004"],
     "settling_ellipses": ["-tend", "0.01"],

@@ -1,5 +1,7 @@
 """Bodies that hit walls and each other in a fluid: momentum with the walls' impulses, no bouncing off an unresolved gap, no overlap
-from the first move on."""
+from the first move on.
+
+Films are off, except in the first moves: with them few of these bodies would touch (test_film.py)."""
 import numpy as np
 import pytest
 
@@ -13,7 +15,7 @@ from tools.stress.overlap import aspects, pair_overlap
 def landing(freefem_text, folder, ratio, dt, end=0.5):
     """A disk eight elements across goes to the floor, or a light one to the lid, at a Reynolds number of 130."""
     text = case(f"bodyDisk(0.5, {0.3 if ratio > 1 else 0.7}, 0.12, {ratio});", mu=0.002, gravity=-20)
-    freefem_text(text, "-dt", dt, "-tend", end, "-every", 0, "-budget", 1, "-out", folder)
+    freefem_text(text, "-film", 0, "-dt", dt, "-tend", end, "-every", 0, "-budget", 1, "-out", folder)
     run = RunFolder(folder)
     sense = 1 if ratio > 1 else -1
     return run, sense * run.particles["v"], (run.particles["y"] if ratio > 1 else 1 - run.particles["y"]) - 0.12
@@ -57,7 +59,8 @@ def test_a_disk_that_hits_one_at_rest_on_the_floor_stays_there(ratios, freefem_t
     for step in (0.002, 0.0005):
         text = case(f"bodyDisk(0.5, 0.1200001, 0.12, {ratios[0]}); bodyAdd(0.5003, 0.42, 0.12, {ratios[1]}, 0, -1.5, 0, 1);",
             mu=0.002, gravity=-20)
-        freefem_text(text, "-dt", step, "-tend", 0.1, "-every", 0, "-forces", 1, "-budget", 1, "-out", tmp_path / f"run{step}")
+        freefem_text(text, "-film", 0, "-dt", step, "-tend", 0.1, "-every", 0, "-forces", 1, "-budget", 1, "-out",
+            tmp_path / f"run{step}")
         run = RunFolder(tmp_path / f"run{step}")
         contacts, q, forces, budget = run.table("contacts"), run.particles, run.table("forces"), run.table("budget")
         pair = contacts["j"] >= 0
@@ -116,7 +119,7 @@ def test_the_flow_of_an_impact_has_the_added_mass_of_an_ideal_fluid(place, jump,
     text += case(f"bodyDisk({place[0]}, {place[1]}, 0.2, 2);", walls="labelWall", more=PUSH.replace("JUMP",
         f"{jump[0]}., {jump[1]}."))
     text = standard_alone(text)
-    done = freefem_text(text, "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
+    done = freefem_text(text, "-film", 0, "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
     added = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("added")).split()[1:]]
     assert -np.dot(added, jump) / (np.pi * 0.04) == pytest.approx(exact, rel=within)
 
@@ -145,7 +148,7 @@ def test_the_flow_of_an_impact_is_corrected_until_it_satisfies_the_continuity_eq
     mesh = tmp_path / "round.mesh"
     text = round_container(mesh)
     text += case("bodyDisk(0.003, -0.79, 0.2, 2);", walls="labelWall", more=FIT)
-    done = freefem_text(standard_alone(text), "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
+    done = freefem_text(standard_alone(text), "-film", 0, "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
     (before, _), (after, added) = rows(done.stdout, "missing")
     assert 0.01 < before < 0.5 and 0 < after < 0.0006
     assert 2 < rows(done.stdout, "solutions")[0][0] < 10
@@ -163,7 +166,7 @@ def test_two_that_touch_and_part_push_the_fluid_as_two_cylinders_do(angle, place
         f"held(6), e(flowNq), got(6)")
     text += case(f"bodyDisk({xa}, {ya}, 0.2, 2); bodyDisk({xb}, {yb}, 0.2, 2);", walls="labelWall",
         more=push.replace("got[0] << \" \" << got[1]", "got[1] - got[0] << \" \" << got[3] - got[2]"))
-    done = freefem_text(standard_alone(text), "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
+    done = freefem_text(standard_alone(text), "-film", 0, "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
     added = [float(word) for word in next(line for line in done.stdout.splitlines() if line.startswith("added")).split()[1:]]
     assert -np.dot(added, along) / (2 * np.dot(along, along)) / (np.pi * 0.04) == pytest.approx(np.pi**2 / 3 - 1, rel=0.15)
 
@@ -214,7 +217,7 @@ def test_what_unresolved_gaps_push_out_stays_in_the_sum(bodies, freefem_text, tm
     text = f'border c(s = 0, 2*pi) {{ x = cos(s); y = sin(s); label = 3; }}\nsavemesh(buildmesh(c(160)), "{mesh}");\n'
     text += case(bodies, walls="labelWall", more=GAPS)
     text = standard_alone(text)
-    done = freefem_text(text, "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
+    done = freefem_text(text, "-film", 0, "-mesh", mesh, "-dt", 1e-4, "-tend", 1e-4, "-out", tmp_path / "run")
     number, lost, kept, far = [float(word) for word in next(line for line in done.stdout.splitlines()
         if line.startswith("gaps")).split()[1:]]
     work, moved = [float(word) for word in next(line for line in done.stdout.splitlines()
@@ -268,7 +271,7 @@ def test_a_disk_that_hits_a_row_of_two_in_contact_moves_both_at_once(freefem_tex
 
 def test_a_restart_between_an_impact_and_the_move_that_closes_the_gap(freefem_text, tmp_path):
     text = case("bodyDisk(0.5, 0.1200001, 0.12, 2); bodyAdd(0.5003, 0.42, 0.12, 2, 0, -1.5, 0, 1);", mu=0.002, gravity=-20)
-    options = ["-dt", 0.002, "-cfl", 0, "-every", 1e-9]
+    options = ["-film", 0, "-dt", 0.002, "-cfl", 0, "-every", 1e-9]
     hit = 30
     freefem_text(text, *options, "-tend", 0.08, "-checkpoint", hit, "-out", tmp_path / "whole")
     contacts = RunFolder(tmp_path / "whole").table("contacts")
@@ -284,7 +287,7 @@ def test_an_impact_of_two_bodies_is_no_impulse_of_the_walls(freefem_text, tmp_pa
     """In a closed box, in the step of the impact: what the contact gave to either body was in the sum of the walls' impulses where
     the fluid's share had changed it."""
     text = case("bodyAdd(0.3, 0.5, 0.1, 2, 2, 0, 0, 1); bodyDisk(0.55, 0.52, 0.1, 1.5);", mu=0.005, gravity=0)
-    freefem_text(text, "-dt", 0.004, "-cfl", 0, "-tend", 0.08, "-every", 0, "-budget", 1, "-tolerance", 1e-8, "-out",
+    freefem_text(text, "-film", 0, "-dt", 0.004, "-cfl", 0, "-tend", 0.08, "-every", 0, "-budget", 1, "-tolerance", 1e-8, "-out",
         tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     budget, contacts = run.table("budget"), run.table("contacts")

@@ -36,8 +36,8 @@ def test_a_settling_heap_keeps_its_momentum_in_each_step(kind, seeds, off_by, me
             for i in range(5):
                 place = f"{0.14 + 0.18 * i + 0.02 * (j % 2) + 0.01 * rng.random():.4f}, {0.12 + 0.18 * j + 0.01 * rng.random():.4f}, {0.07 + 0.012 * rng.random():.4f}"
                 bodies += f"bodyDisk({place}, 2); " if kind == "disk" else f"bodyEllipse({place}, {0.045 + 0.01 * rng.random():.4f}, {3 * rng.random():.3f}, 2); "
-        freefem_text(case(bodies, mu=0.002, gravity=-10), "-dt", 0.004, "-tend", 1.2, "-every", 0, "-budget", 1, "-out",
-            tmp_path / f"run{seed}")
+        freefem_text(case(bodies, mu=0.002, gravity=-10), "-film", 0, "-dt", 0.004, "-tend", 1.2, "-every", 0, "-budget", 1,
+            "-out", tmp_path / f"run{seed}")
         run = RunFolder(tmp_path / f"run{seed}")
         budget = run.table("budget")
         weight = abs(np.diff(budget["weight_y"])).max()
@@ -86,7 +86,7 @@ def test_a_disk_slides_from_wall_to_wall_without_collisions(freefem_text, tmp_pa
     mesh = tmp_path / "ring.mesh"
     text = ring(mesh).replace("outer(60)", "outer(120)") + case("bodyDisk(-0.5, -0.716, 0.12, 5);",
         walls="labelWall, labelCylinder", mu=0.005, gravity=-5)
-    freefem_text(text, "-mesh", mesh, "-dt", 0.004, "-cfl", 0, "-tend", 0.4, "-every", 0, "-out", tmp_path / "run")
+    freefem_text(text, "-film", 0, "-mesh", mesh, "-dt", 0.004, "-cfl", 0, "-tend", 0.4, "-every", 0, "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     contacts = run.table("contacts")
     impulse = np.array([contacts["impulse"][abs(contacts["t"] - t) < 1e-9].sum() for t in run.fluid["t"]]) / (np.pi * 0.12**2 * 20

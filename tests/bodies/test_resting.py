@@ -63,7 +63,7 @@ LANDING = {"a disk": ("bodyDisk(0.513, 0.15, 0.12, 3);", np.pi * 0.12**2, 0.12, 
 def test_the_fluid_lets_go_of_bodies_that_have_landed(scene, freefem_text, run_folder):
     """What had been pressed out from under them stayed as a pressure there: it bore all of the weight, and turned the disk."""
     body, area, lowest, step, end = LANDING[scene]
-    freefem_text(case(body, gravity=-5), "-dt", step, "-tend", end, "-forces", 1, "-every", 0.02, "-out", run_folder)
+    freefem_text(case(body, gravity=-5), "-film", 0, "-dt", step, "-tend", end, "-forces", 1, "-every", 0.02, "-out", run_folder)
     forces, bodies, contacts = (read_table(run_folder / f"{name}.csv") for name in ("forces", "particles", "contacts"))
     late, weight = forces["t"] > end - 0.2, 5 * 2 * area
     assert np.abs(forces["fy"][late]).max() < 0.02 * weight and abs(contacts["impulse"][-1] / step / weight - 1) < 0.02

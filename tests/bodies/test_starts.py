@@ -220,7 +220,7 @@ def test_a_push_between_two_checkpoints_is_repeated_bit_for_bit(freefem_text, tm
 @pytest.mark.parametrize("low, high", [(0.5, 2), (1.1, 2.5)])
 def test_an_impact_of_bodies_changes_no_momentum(low, high, freefem_text, tmp_path):
     text = box(f"bodyDisk(0.5, 0.33, 0.1, {low}); bodyDisk(0.51, 0.62, 0.1, {high});", mu=0.003, gravity=-1)
-    freefem_text(text, "-dt", 0.005, "-tend", 1.2, "-cfl", 0, "-budget", 1, "-out", tmp_path / "run")
+    freefem_text(text, "-film", 0, "-dt", 0.005, "-tend", 1.2, "-cfl", 0, "-budget", 1, "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     budget, first = run.table("budget"), run.table("contacts")
     lost = budget["momentum_y"] - budget["weight_y"]
