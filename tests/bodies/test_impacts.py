@@ -1,7 +1,7 @@
 """Bodies that hit walls and each other in a fluid: momentum with the walls' impulses, no bouncing off an unresolved gap, no overlap
 from the first move on.
 
-Films are off, except in the first moves: with them few of these bodies would touch (test_film.py)."""
+Films are off, except in the first moves: with them few of these bodies would touch (test_films_below_the_mesh.py)."""
 import numpy as np
 import pytest
 
