@@ -33,8 +33,8 @@ MISTAKES = [
     (
         'pipe_transport',
         (
-            'macro caseParticles() if (number > 0) queueGaussian(number, seed, -radius, radius, smallest, largest, deviation,'
-            ' ratio*rhoFluid, firstEntry, interval); // EOM\n'
+            'macro caseParticles() if (number > 0) queueGaussian(number, seed, -radius, radius, smallest, largest, deviation, ratio*rhoFluid,\n'
+            '    firstEntry, interval); // EOM\n'
         ),
         '',
         'caseParticles',
@@ -62,7 +62,7 @@ MISTAKES = [
     ('pipe_flow', 'macro inletU() (speedMost*', 'macro inletU() (speedMots*', 'speedMots', CHANGED),
     ('pipe_flow', 'resultPut("speed_at_the_wall"', 'resultput("speed_at_the_wall"', 'resultput', CHANGED),
     ('cavity', 'extremum(onVertical, -1., found);', 'extremun(onVertical, -1., found);', 'extremun', CHANGED),
-    ('pipe_transport', 'ratio*rhoFluid, firstEntry', 'ratio*rhoFliud, firstEntry', 'rhoFliud', CHANGED),
+    ('pipe_transport', 'ratio*rhoFluid,\n', 'ratio*rhoFliud,\n', 'rhoFliud', CHANGED),
     (
         'pipe_transport',
         'macro caseTwoWay() int[int] entry = [labelInlet]',
@@ -176,8 +176,8 @@ KEPT_APART = [
     (
         'pipe_flow',
         (
-            'string steadySetting = "pipe_flow " + speedMost + " " + profile + " " + densityFluid + " " + viscosityFluid + " " +'
-            ' intensity + " " + lengthShare + " " + steadyAxis;\n'
+            'string steadySetting = "pipe_flow " + speedMost + " " + profile + " " + densityFluid + " " + viscosityFluid + " " + intensity\n'
+            '    + " " + lengthShare + " " + steadyAxis;\n'
         ),
         '',
         'steadySetting',
@@ -231,9 +231,9 @@ KEPT_APART = [
     ('template', 'optDefault("-tend", "0.4");', 'optDefault("-tend");', 'optDefault', CHANGED),
     ('sprung_cylinder', 'bodyAtX(0)', 'bodyAtX()', 'bodyAtX', CHANGED),
     (
-        'pipe_flow',
-        'resultPut("speed_at_the_wall", 0., "m/s");',
-        'resultPut("speed_at_the_wall", "0", "m/s");',
+        'cavity',
+        'resultPut("u_least", found[1], "m/s")',
+        'resultPut("u_least", "0", "m/s")',
         'resultPut',
         CHANGED,
     ),

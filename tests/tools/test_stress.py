@@ -27,7 +27,7 @@ from tools.stress.awkward import KINDS, spoiled
 from tools.stress.cells import Axis, Cell, Disks, Map
 from tools.stress.classes import GOOD, Checks, created, judge
 from tools.stress.limits import defaults_inside, limits_of, write_limits
-from tools.stress.maps_energy import KINDS, SIZE, room, scene
+from tools.stress.maps_energy import KINDS as ROOMS, SIZE, room, scene
 from tools.stress.overlap import crossing, pair_overlap, solid_segments, wall_overlap
 from tools.stress.runs import name_of, run_map
 
@@ -404,7 +404,7 @@ def test_random_closed_scenes_lie_within_their_walls_apart_from_each_other_and_c
         assert apart[~np.eye(len(r), dtype=bool)].min(initial=1) > 0
         assert (2 * r * one.rows[:, 8] >= 1.99 * SIZE).all() and (r <= 5 * SIZE).all()
     density = np.concatenate([one.rows[:, 4] for one in scenes])
-    assert density.min() < 0.015 and density.max() > 15 and {one.kind for one in scenes} == set(KINDS)
+    assert density.min() < 0.015 and density.max() > 15 and {one.kind for one in scenes} == set(ROOMS)
     assert max(len(one.rows) for one in scenes) > 20 and sum(len(one.rows) == 1 for one in scenes) > 10
 
 

@@ -224,7 +224,8 @@ def test_what_acts_back_is_without_the_stresses_of_the_undisturbed_flow(turbulen
 FROZEN = """int[int] sides = [3, 2, 3, 1];
 mesh Th = square(4, 4, label = sides);
 include "lib/core/output.idp"
-real rhoFluid = 1000, mu = 1, gravityX = 0, gravityY = 0;
+real rhoFluid = 1000, mu = 1, gravityX = 0, gravityY = 0, ransNu = mu/rhoFluid;
+int ransAxis = 0;
 include "lib/transport/two_way_saved.idp"
 steadyK = 0.04 + 0.*x; steadyNut = 0.01 + 0.*x; steadyModel = "MODEL";
 steadyU = 1.; steadyV = 0.;
