@@ -11,18 +11,10 @@ Exit statuses: 0 written, 3 bad option or file (one line), 4 a mesh that failed 
 import sys
 from pathlib import Path
 
-from tools.base.command import BadInput, Parser, guarded
-
-try:
-    from tools.meshing import RECIPES
-    from tools.meshing.checks import faults, histogram, summary
-    from tools.meshing.medit import write
-except ModuleNotFoundError as missing:
-    if missing.name.startswith("tools"):
-        raise
-    print(f"error: the Python package {missing.name} is not installed: run make setup, then .venv/bin/python -m tools.mesh",
-        file=sys.stderr)
-    sys.exit(3)
+from tools.base.command import BadInput, Parser
+from tools.meshing import RECIPES
+from tools.meshing.checks import faults, histogram, summary
+from tools.meshing.medit import write
 
 FAILED_CHECK = 4
 
@@ -75,7 +67,3 @@ def main():
     if options.quality:
         print(histogram(mesh))
     return 0
-
-
-if __name__ == "__main__":
-    guarded(main)
