@@ -203,10 +203,11 @@ def test_a_foreign_scratch_folder_is_never_entered(name, tmp_path, monkeypatch):
     exec {FREEFEM} -nw scripts/project_velocities.edp -bodies tests/data/contact/random_50_bodies.csv -walls tests/data/contact/random_50_walls.csv -out {tmp_path}/a.csv"""
     done = subprocess.run(["sh", "-c", start], cwd=ROOT, capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
+    foreign = list(tmp_path.glob(f"freefem-particles-*.1/{name}"))
+    assert len(foreign) == 41 and all(path.read_text() == "1 9 9 9 9\n" for path in foreign)
     run_freefem("scripts/project_velocities.edp", "-bodies", "tests/data/contact/random_50_bodies.csv", "-walls",
         "tests/data/contact/random_50_walls.csv", "-out", tmp_path / "b.csv")
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
-    assert all(path.read_text() == "1 9 9 9 9\n" for path in tmp_path.glob("freefem-particles-*/*"))
 
 
 @pytest.mark.parametrize("make", ["missing", "a file", "read-only"])
