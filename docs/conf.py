@@ -41,7 +41,7 @@ class Together(SphinxPostTransform):
         for text in list(self.document.findall(nodes.Text)):
             if isinstance(text.parent, (nodes.literal, nodes.literal_block, nodes.math, nodes.math_block, nodes.raw)):
                 continue
-            joined = re.sub(r"(?<=\d) (?=(?:%|[mcn]?m|m?s|m/s|rad/s|Pa|N/m|[kMG]i?B|H)(?!\w))", "\N{NO-BREAK SPACE}", text)
+            joined = re.sub(r"(?<=\d) (?=(?:%|[mcn]?m|m?s|m/s|rad/s|Pa|N/m|D/U|[kMG]i?B|H)(?!\w))", "\N{NO-BREAK SPACE}", text)
             joined = re.sub(r"(?<=\w-)(?=\d)", "\N{WORD JOINER}", joined)
             if joined != text:
                 text.parent.replace(text, nodes.Text(joined))
