@@ -4,7 +4,7 @@ import re
 import pytest
 
 from tests.conftest import ROOT, run_tool
-from tools.docs import options, tables
+from tools.docs import headers, options, tables
 from tools.docs.__main__ import made_pages, stale_pages
 
 PAGES = sorted(str(path.relative_to(ROOT)) for path in [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
@@ -146,6 +146,11 @@ def test_a_line_of_help_is_read():
     text = "  -dt 0.001 s                       time step\n  -out                              folder (default: x)\n  -mu 0.1 g/(cm s)                  viscosity\n  -help                             this list\n"
     assert [(o.name, o.default, o.unit, o.about) for o in options.read_help(text)] == \
         [("-dt", "0.001", "s", "time step"), ("-out", "", "", "folder (default: x)"), ("-mu", "0.1", "g/(cm s)", "viscosity")]
+
+
+def test_commands_in_a_header_are_code():
+    assert headers.prose("with -model k-epsilon (python -m tools.peers.with_openfoam step), -retau 500 to 10000 and -forces") == \
+        "with `-model k-epsilon` (`python -m tools.peers.with_openfoam step`), `-retau 500` to 10000 and `-forces`"
 
 
 def saved(page):

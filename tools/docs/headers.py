@@ -5,10 +5,10 @@ from tools.base.command import ROOT
 
 # What is code within a sentence of a header: a command, the name of a file, an option with its value.
 CODE = re.compile(
-    r"(?P<command>python -m tools\.[\w.]+(?: (?:RUN\b|--?[a-z][\w-]*(?: -?[\d.]+\w*| [\w.]+\.mesh)?|[a-z]+_[a-z]+|own\b))*|make "
+    r"(?P<command>python -m tools\.[\w.]+(?: (?:RUN\b|--?[a-z][\w-]*(?: -?[\d.]+\w*| [\w.]+\.mesh)?|[a-z]+_[a-z]+|own\b|step\b))*|make "
         r"validate\s+CASE=\w+|make run\b)"
     r"|(?P<file>(?<![\w/])(?:[\w.]+/)*\w[\w.]*\.(?:edp|idp|py|csv|mesh|geo|json|vtu|pvd|md)\b)"
-    r"|(?P<option>(?<![\w-])-[a-z][\w-]+(?: -?\d(?:[\w.]*\w)?)?)")
+    r"|(?P<option>(?<![\w-])-[a-z][\w-]+(?: -?\d(?:[\w.]*\w)?| (?:k-epsilon|kato-launder|laminar|published)\b)?)")
 
 
 def header(path):
