@@ -34,10 +34,13 @@ html_static_path.append(str(Path(importlib.util.find_spec("sphinx-mathjax-offlin
 
 
 class Together(SphinxPostTransform):
-    """Keeps a number and its unit, and the parts of 1e-4 and 2D-2, in one line."""
+    """Keeps a number and its unit, the parts of 1e-4 and 2D-2, and the words of short code in one line."""
     default_priority = 900
 
     def run(self, **kwargs):
+        for code in self.document.findall(nodes.literal):
+            if max(map(len, code.astext().split()), default=0) <= 14:
+                code["classes"].append("short")
         for text in list(self.document.findall(nodes.Text)):
             if isinstance(text.parent, (nodes.literal, nodes.literal_block, nodes.math, nodes.math_block, nodes.raw)):
                 continue
