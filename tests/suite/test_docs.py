@@ -144,13 +144,15 @@ def test_every_driver_is_in_the_reference():
 
 def test_a_line_of_help_is_read():
     text = "  -dt 0.001 s                       time step\n  -out                              folder (default: x)\n  -mu 0.1 g/(cm s)                  viscosity\n  -help                             this list\n"
+    text += "  -start at once        inflow (at once|sine)\n"
     assert [(o.name, o.default, o.unit, o.about) for o in options.read_help(text)] == \
-        [("-dt", "0.001", "s", "time step"), ("-out", "", "", "folder (default: x)"), ("-mu", "0.1", "g/(cm s)", "viscosity")]
+        [("-dt", "0.001", "s", "time step"), ("-out", "", "", "folder (default: x)"), ("-mu", "0.1", "g/(cm s)", "viscosity"),
+            ("-start", "at once", "", "inflow (at once|sine)")]
 
 
 def test_commands_in_a_header_are_code():
-    assert headers.prose("with -model k-epsilon (python -m tools.peers.with_openfoam step), -retau 500 to 10000 and -forces") == \
-        "with `-model k-epsilon` (`python -m tools.peers.with_openfoam step`), `-retau 500` to 10000 and `-forces`"
+    assert headers.prose("with -model k-epsilon (python -m tools.peers.with_openfoam step), -retau 500 to 10000, --size 0.1 and -forces") == \
+        "with `-model k-epsilon` (`python -m tools.peers.with_openfoam step`), `-retau 500` to 10000, `--size 0.1` and `-forces`"
 
 
 def saved(page):
