@@ -99,7 +99,7 @@ def round_container(mesh):
 
 PUSH = """macro caseStep() {
     real[int] jump = [JUMP, 0.], held(3), e(flowNq), got(3);
-    held = 0.; impactD.resize(3) = held; // no body responds, no gap is kept
+    held = 0.; impactD.resize(held.n) = held;
     impactFind();
     impactFlow(jump, e);
     impactGather(e, got);
@@ -127,7 +127,7 @@ FIT = """macro caseStep() {
     real[int] jump = [0., 1., 0.], held(3), e(flowNq), got(3), du(flowNw), dv(flowNw), r(flowNq), z(flowNq);
     varf laplace(p, q) = int2d(Th)(dx(p)*dx(q) + dy(p)*dy(q) + 1e-8*p*q);
     matrix A = laplace(Qh, Qh, solver = UMFPACK);
-    held = 0.; impactD.resize(3) = held; pressureEnergy = 0;
+    held = 0.; impactD.resize(held.n) = held; pressureEnergy = 0;
     impactFind();
     impactFlow(jump, e);
     real energy = impactEnergy;
