@@ -99,10 +99,9 @@ def round_container(mesh):
 
 PUSH = """macro caseStep() {
     real[int] jump = [JUMP, 0.], held(3), e(flowNq), got(3);
-    matrix noGaps;
-    held = 0.;
+    held = 0.; impactD.resize(held.n) = held;
     impactFind();
-    impactFlow(jump, held, noGaps, noGaps, noGaps, e);
+    impactFlow(jump, e);
     impactGather(e, got);
     cout << "added " << got[0] << " " << got[1] << endl;
 } // EOM"""
@@ -127,13 +126,13 @@ def test_the_flow_of_an_impact_has_the_added_mass_of_an_ideal_fluid(place, jump,
 FIT = """macro caseStep() {
     real[int] jump = [0., 1., 0.], held(3), e(flowNq), got(3), du(flowNw), dv(flowNw), r(flowNq), z(flowNq);
     varf laplace(p, q) = int2d(Th)(dx(p)*dx(q) + dy(p)*dy(q) + 1e-8*p*q);
-    matrix noGaps, A = laplace(Qh, Qh, solver = UMFPACK);
-    held = 0.; pressureEnergy = 0;
+    matrix A = laplace(Qh, Qh, solver = UMFPACK);
+    held = 0.; impactD.resize(held.n) = held; pressureEnergy = 0;
     impactFind();
-    impactFlow(jump, held, noGaps, noGaps, noGaps, e);
+    impactFlow(jump, e);
     real energy = impactEnergy;
     for (int k = 0; k < 2; ++k) {
-        if (k == 1) cout << "solutions " << impactFit(energy, jump, held, noGaps, noGaps, noGaps, e) << endl;
+        if (k == 1) cout << "solutions " << impactFit(energy, jump, e) << endl;
         impactChange(jump, e, du, dv);
         pressureSource(du, dv, jump, r)
         z = A^-1*r;

@@ -1,5 +1,5 @@
-"""Starts at which bodies and fluid do not fit together, impacts between light and heavy bodies, and bodies that are none of each
-other's business."""
+"""Starts at which bodies and fluid do not fit together, impacts between light and heavy bodies, and bodies that must not affect each
+other."""
 import numpy as np
 import pytest
 from scipy.linalg import solve_banded
@@ -93,6 +93,19 @@ def test_the_flow_of_a_start_is_the_potential_flow_at_every_node(freefem_text, t
     off = values["velocity"][:, 0] - 1j * values["velocity"][:, 1] - 0.08**2 / np.where(z == 0, 1, z) ** 2
     off -= off[round_it].mean()
     assert round_it.sum() > 1000 and abs(off[round_it]).max() < 0.06
+
+
+def test_fields_of_a_start_do_not_change_a_thrown_disk(freefem_text, tmp_path):
+    """What they show at vertices is no part of the state: with it the disk, which is free, would be faster."""
+    mesh = tmp_path / "box.mesh"
+    text = f'int[int] sides = [13, 12, 14, 11];\nsavemesh(square(16, 16, label = sides), "{mesh}");\n'
+    text += box("bodyAdd(0.51, 0.53, 0.2, 0.5, 1, 0, 0, 1);")
+    runs = []
+    for fields in (0, 1):
+        freefem_text(text, "-mesh", mesh, "-dt", 0.01, "-tend", 0.02, "-cfl", 0, "-every", 0, "-fields", fields, "-out",
+            tmp_path / f"run{fields}")
+        runs.append(RunFolder(tmp_path / f"run{fields}").particles)
+    assert len(runs[0]["t"]) == 2 and all(runs[0][name].tolist() == runs[1][name].tolist() for name in ("x", "u", "omega"))
 
 
 STREAM = case("bodyDisk(0.41, 0.52, 0.12, 1);", walls="", moving="labelLeft", outlet="labelRight", slip="labelBottom, labelTop",

@@ -1,5 +1,5 @@
-"""What contacts keep from step to step, lists of who is near, who need not be looked at, impulses: nothing may hang on it but
-time."""
+"""What contacts keep from step to step: lists of near pairs, pairs that need no search, impulses. They change the computing time and
+nothing else."""
 import pytest
 
 from tests.tables import rows

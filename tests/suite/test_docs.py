@@ -4,7 +4,7 @@ import re
 import pytest
 
 from tests.conftest import ROOT, run_tool
-from tools.docs import options, tables
+from tools.docs import headers, options, tables
 from tools.docs.__main__ import made_pages, stale_pages
 
 PAGES = sorted(str(path.relative_to(ROOT)) for path in [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
@@ -67,6 +67,12 @@ def test_a_page_names_what_is_there(page):
     tests = "".join(path.read_text() for path in (ROOT / "tests").rglob("*.py")) if "`test_" in text else ""
     for name in re.findall(r"`(test_\w+)`", text):
         assert f"def {name}(" in tests, name
+
+
+def test_every_lesson_names_the_test_that_guards_it():
+    lessons = re.findall(r"^- .*", read("docs/developers/lessons.md"), flags=re.M)
+    unguarded = [lesson for lesson in lessons if "`test_" not in lesson and "No test can guard it" not in lesson]
+    assert len(lessons) > 40 and unguarded == []
 
 
 def test_every_page_is_reached_from_the_first_one():
@@ -138,8 +144,15 @@ def test_every_driver_is_in_the_reference():
 
 def test_a_line_of_help_is_read():
     text = "  -dt 0.001 s                       time step\n  -out                              folder (default: x)\n  -mu 0.1 g/(cm s)                  viscosity\n  -help                             this list\n"
+    text += "  -start at once        inflow (at once|sine)\n"
     assert [(o.name, o.default, o.unit, o.about) for o in options.read_help(text)] == \
-        [("-dt", "0.001", "s", "time step"), ("-out", "", "", "folder (default: x)"), ("-mu", "0.1", "g/(cm s)", "viscosity")]
+        [("-dt", "0.001", "s", "time step"), ("-out", "", "", "folder (default: x)"), ("-mu", "0.1", "g/(cm s)", "viscosity"),
+            ("-start", "at once", "", "inflow (at once|sine)")]
+
+
+def test_commands_in_a_header_are_code():
+    assert headers.prose("with -model k-epsilon (python -m tools.peers.with_openfoam step), -retau 500 to 10000, --size 0.1 and -forces") == \
+        "with `-model k-epsilon` (`python -m tools.peers.with_openfoam step`), `-retau 500` to 10000, `--size 0.1` and `-forces`"
 
 
 def saved(page):

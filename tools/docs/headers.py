@@ -5,10 +5,11 @@ from tools.base.command import ROOT
 
 # What is code within a sentence of a header: a command, the name of a file, an option with its value.
 CODE = re.compile(
-    r"(?P<command>python -m tools\.[\w.]+(?: (?:RUN\b|--?[a-z][\w-]*(?: -?[\d.]+\w*| [\w.]+\.mesh)?|[a-z]+_[a-z]+|own\b))*|make "
-        r"validate\s+CASE=\w+|make run\b)"
+    r"(?P<command>python -m tools\.[\w.]+"
+        r"(?: (?:RUN\b|--?[a-z][\w-]*(?: -?[\d.]+\w*| [\w.]+\.mesh| alternating\b| named\b)?|[a-z]+_[a-z]+|(?:own|step|box)\b))*"
+        r"|make validate\s+CASE=\w+|make run\b)"
     r"|(?P<file>(?<![\w/])(?:[\w.]+/)*\w[\w.]*\.(?:edp|idp|py|csv|mesh|geo|json|vtu|pvd|md)\b)"
-    r"|(?P<option>(?<![\w-])-[a-z][\w-]+(?: -?\d(?:[\w.]*\w)?)?)")
+    r"|(?P<option>(?<![\w-])--?[a-z][\w-]+(?: -?\d(?:[\w.]*\w)?| (?:k-epsilon|kato-launder|laminar|published|all)\b)?)")
 
 
 def header(path):

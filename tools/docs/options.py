@@ -59,6 +59,9 @@ def read_help(text):
     found = []
     for name, middle, about in re.findall(r"^  (-[\w-]+) (.*?) {2,}(\S.*)$", text, flags=re.M):
         default, _, unit = middle.strip().partition(" ")
+        choices = re.search(r"\(([^()]*\|[^()]*)\)$", about)
+        if choices and middle.strip() in choices.group(1).split("|"):
+            default, unit = middle.strip(), ""  # a choice of several words
         if name != "-help":
             found.append(Option(name, default, unit, about))
     return found
