@@ -283,9 +283,9 @@ SLOW = ["-dt", "0.05", "-every", "0"]
 
 @pytest.fixture(scope="module")
 def slow(tmp_path_factory):
-    """The script of a disk in a slow flow, whose first steps are repeated, and a run of it with checkpoints."""
+    """The script of two disks in a slow flow, whose first steps are repeated, and a run of it with checkpoints."""
     folder = tmp_path_factory.mktemp("slow")
-    (folder / "slow.edp").write_text(case("bodyDisk(0.5, 0.5, 0.12, 5);", mu=2, gravity=-20))
+    (folder / "slow.edp").write_text(case("bodyDisk(0.5, 0.2, 0.12, 5); bodyDisk(0.4, 0.5, 0.12, 0.5);", mu=2, gravity=-20))
     run_freefem(folder / "slow.edp", *SLOW, "-tend", "0.2", "-checkpoint", "2", "-out", folder / "run")
     return folder
 
