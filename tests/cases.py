@@ -22,6 +22,7 @@ CASES = {
     "diaphragm_loss": ["-cells", "6", "-outlet", "6", "-tolerance", "0.5"],
     "settling_disk": ["-tend", "0.01"],
     "sinking_disk": ["-tend", "0.03"],
+    "rolling_disk": ["-tend", "0.01"],
     "template": ["-tend", "0.01"],
     "branching_channel": ["-tend", "0.004"],
     "settling_ellipses": ["-tend", "0.01"],

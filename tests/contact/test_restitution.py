@@ -1,0 +1,92 @@
+"""Collisions of disks that rebound (contacts alone)."""
+import numpy as np
+import pytest
+
+from tests.scenes import CONTACTS
+from tests.tables import assert_refused
+from tools.base.tables import read_table
+
+
+def end(freefem_text, folder, bodies, *words, walls="", gravity=0.0):
+    """Columns of the last rows of particles.csv, and motion.csv."""
+    freefem_text(CONTACTS.format(bodies=bodies, walls=walls, gravity=gravity, more=""), "-out", folder, *words)
+    table = read_table(folder / "particles.csv")
+    last = table["step"] == table["step"].max()
+    return {name: np.asarray(column)[last] for name, column in table.items()}, read_table(folder / "motion.csv"), table
+
+
+@pytest.mark.parametrize("dt", [0.004, 0.001])
+def test_a_ball_bounces_at_its_exact_times(dt, freefem_text, tmp_path):
+    """From 1 m, e = 0.8: flights of 2 v e^k/g. What is off is the first fall, g dt t/2, which is that of the time scheme."""
+    _, _, table = end(freefem_text, tmp_path / "run", "bodyDisk(0, 1.1, 0.1, 1000);", "-restitution", 0.8, "-dt", dt, "-tend", 3,
+        "-every", 0.02, walls="contactWallSegment(-10, 0, 10, 0);", gravity=-9.81)
+    g, e = 9.81, 0.8
+    fall = np.sqrt(2 / g)
+    speed, exact = g * fall, []
+    for t in table["t"]:
+        left, own = t - fall, e * speed
+        while left > 2 * own / g:
+            left, own = left - 2 * own / g, e * own
+        exact.append(1 - g * t * t / 2 if left < 0 else own * left - g * left * left / 2)
+    assert np.abs(np.array(table["y"]) - 0.1 - exact).max() < 0.51 * g * dt * fall + 1e-9
+
+
+@pytest.mark.parametrize("e", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("angle", [0.0, 0.4, 1.2])
+def test_oblique_impacts_of_two_disks(angle, e, freefem_text, tmp_path):
+    """Normal velocities by e and the masses, tangential ones unchanged (no friction), normals as at the start of the step."""
+    masses, dt = np.array([1000.0, 2500.0]) * np.pi * 0.01, 1e-4
+    n = np.array([np.cos(angle), np.sin(angle)])
+    far = (0.2 + 1e-5) * n
+    before = np.array([[1.0, 0.2], [-0.3, 0.5]])
+    bodies = f"bodyAdd(0, 0, 0.1, 1000, 1, 0.2, 0, 1); bodyAdd({far[0]:.17g}, {far[1]:.17g}, 0.1, 2500, -0.3, 0.5, 0, 1);"
+    last, _, _ = end(freefem_text, tmp_path / "run", bodies, "-restitution", e, "-dt", dt, "-tend", dt)
+    closing = (before[0] - before[1]) @ n
+    impulse = (1 + e) * closing / (1 / masses).sum() if e else (closing - 1e-5 / dt) / (1 / masses).sum()
+    after = before + np.array([[-1], [1]]) * impulse / masses[:, None] * n
+    np.testing.assert_allclose(np.column_stack([last["u"], last["v"]]), after, atol=1e-9)
+
+
+def test_a_row_of_disks_keeps_its_energy_and_momentum(freefem_text, tmp_path):
+    row = "bodyAdd(-1, 0, 0.1, 1000, 1, 0, 0, 1); for (int k = 0; k < 4; ++k) bodyAdd(0.2*k, 0, 0.1, 1000, 0, 0, 0, 1);"
+    _, motion, _ = end(freefem_text, tmp_path / "run", row, "-restitution", 1, "-dt", 0.01, "-tend", 1, "-every", 0.1)
+    assert motion["kinetic_energy"] == pytest.approx([motion["kinetic_energy"][0]] * len(motion["t"]), rel=1e-8)
+    assert motion["momentum_x"] == pytest.approx([motion["momentum_x"][0]] * len(motion["t"]), rel=1e-12)
+
+
+@pytest.mark.parametrize("friction", [0, 0.4])
+def test_no_energy_is_gained_in_a_crowd(friction, freefem_text, tmp_path):
+    """Of disks and walls with coefficients of their own, which Newton's law alone may let gain some."""
+    rng = np.random.default_rng(5)
+    bodies = "".join(f"bodyBouncy(bodyAdd({x:.4f}, {y:.4f}, 0.1, {rng.uniform(500, 4000):.1f}, {u:.3f}, {v:.3f}, 0, 1), "
+        f"{rng.uniform(0, 1):.3f});" for x in np.arange(0.15, 1.9, 0.22) for y in np.arange(0.15, 1.9, 0.22)
+        for u, v in [rng.normal(0, 3, 2)])
+    walls = "contactWallSegment(0, 0, 2, 0); contactWallSegment(2, 0, 2, 2); contactWallSegment(2, 2, 0, 2);" \
+        "contactWallBouncy(contactWallSegment(0, 2, 0, 0), 1);"
+    _, motion, _ = end(freefem_text, tmp_path / "run", "{" + bodies + "}", "-restitution", 0.9, "-friction", friction, "-dt", 0.004,
+        "-tend", 0.4, "-every", 0.004, walls=walls)
+    energy = np.array(motion["kinetic_energy"])
+    assert (np.diff(energy) < 1e-9 * energy[0]).all() and energy[-1] > 0.01 * energy[0]
+    assert min(motion["worst_gap"]) > -1e-8
+
+
+def test_slow_contacts_do_not_rebound(freefem_text, tmp_path):
+    """Below -restitution-speed; by default twice what gravity adds in a step, so that disks come to rest."""
+    last, motion, _ = end(freefem_text, tmp_path / "run", "bodyDisk(0, 0.3, 0.1, 1000);", "-restitution", 0.5, "-dt", 0.002, "-tend", 2,
+        "-every", 0.1, walls="contactWallSegment(-10, 0, 10, 0);", gravity=-9.81)
+    assert motion["kinetic_energy"][-1] < 1e-12 and last["y"][0] == pytest.approx(0.1, abs=1e-8)
+    last, _, _ = end(freefem_text, tmp_path / "slow", "bodyAdd(0, 0.11, 0.1, 1000, 0, -0.5, 0, 1);", "-restitution", 0.5, "-dt", 0.002,
+        "-tend", 0.1, "-restitution-speed", 0.6, walls="contactWallSegment(-10, 0, 10, 0);")
+    assert last["v"][0] == pytest.approx(0, abs=1e-8)
+
+
+@pytest.mark.parametrize("words, says", [
+    (["-restitution", 1.1], "restitution"), (["-restitution", -0.1], "restitution"),
+    (["-restitution", 0.5, "-contact-form", "ballistic"], "restitution takes -contact-form linear"),
+    (["-friction", 0.5, "-contact-form", "ballistic"], "friction takes -contact-form linear"),
+    (["-friction", -0.5], "friction"), (["-friction", "nan"], "friction"),
+])
+def test_what_makes_no_law_is_refused(words, says, freefem_text, tmp_path):
+    done = freefem_text(CONTACTS.format(bodies="bodyDisk(0, 1, 0.1, 1000);", walls="contactWallSegment(-1, 0, 1, 0);", gravity=-1, more=""),
+        "-out", tmp_path / "run", *words, check=False)
+    assert_refused(done, [3], says)
