@@ -1,5 +1,6 @@
 """The tests themselves: what several files share stands in modules that are no tests, and a file has one topic."""
 import ast
+import re
 from pathlib import Path
 
 import pytest
