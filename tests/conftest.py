@@ -17,6 +17,15 @@ from tools.base.mesh_files import read_mesh
 
 ROOT = Path(__file__).resolve().parent.parent
 FREEFEM = os.environ.get("FREEFEM", "FreeFem++")
+SLOW_ROWS = {line for line in (Path(__file__).parent / "slow_rows.txt").read_text().splitlines() if not line.startswith("#")}
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Marks the rows of tests/slow_rows.txt as slow."""
+    for item in items:
+        if item.nodeid in SLOW_ROWS:
+            item.add_marker(pytest.mark.slow)
 
 
 def standard_alone(text):

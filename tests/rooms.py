@@ -2,6 +2,7 @@
 
 import re
 import textwrap
+from functools import lru_cache
 
 from tests.lint import files
 from tools.base.command import ROOT
@@ -77,6 +78,7 @@ def parts(text):
     return found + [last] if last else found
 
 
+@lru_cache(maxsize=None)
 def functions(text):
     """The functions, and the macros with parameters, that a script defines: {name: (parameters, body)}."""
     found = {}
@@ -93,12 +95,14 @@ def functions(text):
     return found
 
 
+@lru_cache(maxsize=None)
 def calls(text):
     """Calls in a script without comments: (name of the function, its arguments)."""
     return [(head.group(1), parts(text[head.end() : closing(text, head.end()) - 1]))
             for head in re.finditer(r"(?<![\w.])([A-Za-z_]\w*)\s*\(", text) if head.group(1) not in NOT_CALLS]
 
 
+@lru_cache(maxsize=None)
 def assigned(text):
     """Names that the statements of a script without comments assign, resize, count up or read from a file."""
     found = set()
@@ -135,10 +139,22 @@ def filled(defined):
 def written(text, places):
     """Names that a script writes: assigns, or passes to functions that fill them (places: of `filled`)."""
     text = bare(text)
-    names = assigned(text)
+    names = set(assigned(text))
     for called, arguments in calls(text):
         names |= {arguments[at] for at in places.get(called, ()) if at < len(arguments) and re.fullmatch(r"\w+", arguments[at])}
     return names
+
+
+@lru_cache(maxsize=None)
+def declared_in(text, spaces):
+    """What a script declares; spaces: a frozenset of the names of its finite element spaces."""
+    return declared(words(bare(text))[0], spaces)
+
+
+@lru_cache(maxsize=None)
+def names_in(text):
+    """All names in a script without comments and texts."""
+    return frozenset(re.findall(r"(?<![\w.])[A-Za-z_]\w*", bare(text)))
 
 
 class Library:
@@ -148,7 +164,7 @@ class Library:
         self.given = given
         self.files = [path for path in given if path.startswith("lib/")]
         self.spaces = spaces = set().union(*(fespaces(text) for text in given.values()))
-        found = {path: declared(words(bare(text))[0], spaces) for path, text in given.items()}
+        found = {path: declared_in(text, frozenset(spaces)) for path, text in given.items()}
         self.local = {path: {each.name for each in found[path]} for path in given}  # at any depth
         self.owners = {}  # of the names that stand outside all braces
         for path in self.files:
@@ -168,7 +184,7 @@ class Library:
     def used(self, path):
         """Names that a file takes from others."""
         text = re.sub(r"(?m)^\s*IFMACRO\([^)]*\)", "", self.given[path])
-        return self.foreign(path, set(re.findall(r"(?<![\w.])[A-Za-z_]\w*", bare(text)))) - called_back(text)
+        return self.foreign(path, names_in(text)) - called_back(text)
 
     def upward(self, floors):
         """What points to a higher room: (file, include or name, where that stands)."""

@@ -1,5 +1,6 @@
 """The tests themselves: what several files share stands in modules that are no tests, and a file has one topic."""
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -44,3 +45,10 @@ def test_names_of_test_files_differ():
     """pytest takes files of one name for the same module."""
     names = [Path(file).name for file in FILES]
     assert len(names) == len(set(names)) > 60
+
+
+def test_rows_that_are_called_slow_are_there():
+    rows = [line for line in (ROOT / "tests/slow_rows.txt").read_text().splitlines() if not line.startswith("#")]
+    for file, name in (re.match(r"([\w/]+\.py)::(\w+)", row).groups() for row in rows):
+        assert f"def {name}(" in (ROOT / file).read_text(), (file, name)
+    assert len(rows) == len(set(rows))
