@@ -72,10 +72,12 @@ def test_no_energy_is_gained_in_a_crowd(friction, freefem_text, tmp_path):
 
 def test_slow_contacts_do_not_rebound(freefem_text, tmp_path):
     """Below -restitution-speed; by default twice what gravity adds in a step, so that disks come to rest."""
-    last, motion, _ = end(freefem_text, tmp_path / "run", "bodyDisk(0, 0.3, 0.1, 1000);", "-restitution", 0.5, "-dt", 0.002, "-tend", 2,
+    last, motion, _ = end(freefem_text, tmp_path / "run", "bodyDisk(0, 0.3, 0.1, 1000);", "-restitution", 0.5, "-dt", 0.002,
+        "-tend", 2,
         "-every", 0.1, walls="contactWallSegment(-10, 0, 10, 0);", gravity=-9.81)
     assert motion["kinetic_energy"][-1] < 1e-12 and last["y"][0] == pytest.approx(0.1, abs=1e-8)
-    last, _, _ = end(freefem_text, tmp_path / "slow", "bodyAdd(0, 0.11, 0.1, 1000, 0, -0.5, 0, 1);", "-restitution", 0.5, "-dt", 0.002,
+    last, _, _ = end(freefem_text, tmp_path / "slow", "bodyAdd(0, 0.11, 0.1, 1000, 0, -0.5, 0, 1);", "-restitution", 0.5, "-dt",
+        0.002,
         "-tend", 0.1, "-restitution-speed", 0.6, walls="contactWallSegment(-10, 0, 10, 0);")
     assert last["v"][0] == pytest.approx(0, abs=1e-8)
 
@@ -87,6 +89,7 @@ def test_slow_contacts_do_not_rebound(freefem_text, tmp_path):
     (["-friction", -0.5], "friction"), (["-friction", "nan"], "friction"),
 ])
 def test_what_makes_no_law_is_refused(words, says, freefem_text, tmp_path):
-    done = freefem_text(CONTACTS.format(bodies="bodyDisk(0, 1, 0.1, 1000);", walls="contactWallSegment(-1, 0, 1, 0);", gravity=-1, more=""),
+    done = freefem_text(CONTACTS.format(bodies="bodyDisk(0, 1, 0.1, 1000);", walls="contactWallSegment(-1, 0, 1, 0);", gravity=-1,
+        more=""),
         "-out", tmp_path / "run", *words, check=False)
     assert_refused(done, [3], says)
