@@ -1,8 +1,8 @@
 """The jobs of contacts alone: the projection against the discrete element method (LIGGGHTS), error against CPU time.
 
 Two scenes from the same start: the time in which half of 500 disks leave an hourglass, a mean over seeds, and the mean height of
-50 falling disks. A run is made once and judged twice, by the limit of its own series (dt -> 0, or stiffness -> infinity) and by
-the common one. Numbers of the limits: docs/limits/contacts_alone.md. The times are those of the whole processes; both write a row
+50 falling disks. A run is made once and judged by the limit of its own series (dt -> 0, or stiffness -> infinity), and by
+the common one where they differ. Numbers of the limits: docs/limits/contacts_alone.md. The times are those of the whole processes; both write a row
 every 0.02 s (fall: 0.1 s).
 """
 import functools
@@ -22,8 +22,9 @@ STEPS = [0.004, 0.002, 0.001, 0.0005]  # s, of the discharge
 MODULI = [1e7, 1e8, 6e8, 6e9]  # Pa
 FALL_STEPS, FALL_MODULI = [0.08, 0.04, 0.02, 0.01], [1e3, 1e4, 1e5, 1e6]
 FALL_TIME = 8.0  # s, at which the mean height is taken
-# s, means of the seeds 1 to 3; and the mean height over that at the start
-LIMITS = {"discharge": {"own": {OURS: 1.29, ELEMENTS: 1.30}, "common": 1.30},
+# s, within 0.01 (four seeds; the two limits cannot be told apart); and the mean height over that at the start (where a disk of
+# LIGGGHTS still rebounds with 0.06 of its speed)
+LIMITS = {"discharge": {"own": {OURS: 1.30, ELEMENTS: 1.30}, "common": 1.30},
           "fall": {"own": {OURS: 0.3389, ELEMENTS: 0.3407}, "common": 0.3398}}
 
 
@@ -116,6 +117,7 @@ def discrete_jobs(out, levels, seeds, limit):
                     continue
                 jobs.append(Job("discrete", problem, program, level, functools.partial(measured, problem, program, level,
                     1 if problem == "fall" else seeds, out, limit, kept)))
-                jobs.append(Job("discrete", f"{problem}, common limit", program, level, functools.partial(judged, problem, program,
-                    level, "common", kept)))
+                if len({LIMITS[problem]["common"], *LIMITS[problem]["own"].values()}) > 1:
+                    jobs.append(Job("discrete", f"{problem}, common limit", program, level, functools.partial(judged, problem,
+                        program, level, "common", kept)))
     return jobs
