@@ -61,6 +61,28 @@ def test_a_lattice_that_runs_too_slowly_is_not_accurate(slow, kind, tmp_path):
     assert classed(stress.MAPS["lattice"], (50, 0.002), record, {})["class"] == kind
 
 
+@pytest.mark.parametrize("late, kind", [(1.0, "accurate"), (1.15, "stable")])
+def test_the_map_of_the_cases_judges_the_hourglass_by_its_discharge(late, kind, tmp_path):
+    """At eight times the default step half of the disks were 15 % late, and the map called it accurate."""
+    _, end, limit = maps_contacts.DISCHARGE[0.3]
+    folder = glass(tmp_path / "run", late * limit, end=end)
+    record = {"status": 0, "reason": "", "cpu_s": 1.0, "memory_mib": 1.0, "log": "", "run": str(folder), "fresh": True}
+    assert classed(stress.MAPS["defaults"], (8, "hourglass"), record, {})["class"] == kind
+    assert stress.MAPS["defaults"].build(1, "hourglass").options["-dt"] == 0.002
+
+
+@pytest.mark.parametrize("share, kind", [(1.0, "accurate"), (1.06, "stable"), (0.94, "stable")])
+def test_the_map_of_the_cases_judges_falling_disks_by_their_height(share, kind, tmp_path):
+    rows = [[0, 0, 0, 0, 2.0, 0, 0, 0, 0, 0.1], [1, 8, 0, 0, 2 * share * maps_contacts.FALLEN, 0, 0, 0, 0, 0.1],
+            [2, 20, 0, 0, 0.1, 0, 0, 0, 0, 0.1]]
+    (tmp_path / "run").mkdir()
+    write_csv(tmp_path / "run" / "particles.csv", HEADER, rows)
+    write_csv(tmp_path / "run" / "motion.csv", "step t kinetic_energy potential_energy momentum_x momentum_y momentum_error".split(),
+        [[0, 0, 1, 0, 1, 0, 0], [2, 20, 1, 0, 1, 0, 0]])
+    record = {"status": 0, "reason": "", "cpu_s": 1.0, "memory_mib": 1.0, "log": "", "run": str(tmp_path / "run"), "fresh": True}
+    assert classed(stress.MAPS["defaults"], (1, "falling_particles"), record, {})["class"] == kind
+
+
 def test_the_quick_form_tells_the_default_step_from_eight_times_that(tmp_path):
     """Bounds set before: 4 % is accurate; a wide neck, whose discharge is the same from seed to seed within 1 %."""
     rows = run_map(stress.MAPS["discharge"], tmp_path, True, say=lambda line: None)[1]

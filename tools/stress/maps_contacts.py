@@ -12,6 +12,7 @@ RADIUS, DENSITY, GRAVITY = 0.06, 100.0, 9.81  # m, kg/m2, m/s2
 DISCHARGE = {0.12: (500, 2.0, 1.30), 0.3: (300, 0.6, 0.353)}
 # The way of the mean height of lattices of so many disks in 0.4 s, m, from steps of 0.0005 and 0.001 s.
 LATTICE = {50: 0.437, 200: 0.164, 500: 0.104}
+FALLEN = 0.3388  # mean height of the disks of falling_particles at 8 s over that at the start
 NEAR = 0.04  # relative error of a discharge, and of the way of a lattice, that counts as accurate
 METHODS = {"Newton finish, dt 0.001 s": ("newton", 0.001), "Newton finish, dt 0.01 s": ("newton", 0.01),
            "Newton finish, dt 0.05 s": ("newton", 0.05), "accelerated, dt 0.01 s": ("accelerated", 0.01),
@@ -96,6 +97,19 @@ def discharge(dt, neck):
     number, end, limit = DISCHARGE[neck]
     options = {"-number": number, "-radius": 0.013, "-neck": neck, "-dt": dt, "-tend": end, "-every": max(0.01, dt)}
     return Cell(GLASS, options, fall_bounds(2.5, end), lambda run: discharge_error(run, limit), "own", NEAR, patience=2)
+
+
+def glass_error(run):
+    """Largest of the errors of the balances over 1e-8 and of the discharge through the wide neck over NEAR."""
+    return np.array([max(balance_error(run)[0] / 1e-8, discharge_error(run, DISCHARGE[0.3][2])[0] / NEAR)])
+
+
+def fall_error(run):
+    """Largest of the errors of the balances over 1e-8 and of the mean height (of the mass) at 8 s over NEAR."""
+    times, y = heights(run)
+    mass = run.particles["radius"][:y.shape[1]] ** 2
+    mean = y @ mass / mass.sum()
+    return np.array([max(balance_error(run)[0] / 1e-8, abs(np.interp(8, times, mean) / mean[0] / FALLEN - 1) / NEAR)])
 
 
 def lattice_error(run, number):
