@@ -75,7 +75,7 @@ def script_text(young, step, steps, every, gravity, mean):
     both = "property/global"
     return "\n".join([
         "atom_style granular", "atom_modify map array", "boundary f f f", "newton off", "dimension 3", "units si",
-        "soft_particles yes", "communicate single vel yes", "read_data data", f"neighbor {SKIN * mean:.9g} bin", "neigh_modify delay 0",
+        "soft_particles yes", "hard_particles yes", "communicate single vel yes", "read_data data", f"neighbor {SKIN * mean:.9g} bin", "neigh_modify delay 0",
         f"fix m1 all {both} youngsModulus peratomtype {young:.9g}", f"fix m2 all {both} poissonsRatio peratomtype {POISSON}",
         f"fix m3 all {both} coefficientRestitution peratomtypepair 1 {RESTITUTION}",
         f"fix m4 all {both} coefficientFriction peratomtypepair 1 0.0", f"fix m5 all {both} characteristicVelocity scalar {VELOCITY}",
