@@ -41,7 +41,8 @@ def test_a_late_discharge_is_not_accurate(late, kind, tmp_path):
     number, end, limit = maps_contacts.DISCHARGE[0.3]
     folder = glass(tmp_path / "run", late * limit, end=end)
     one, cell = stress.MAPS["discharge"], stress.MAPS["discharge"].build(0.002, 0.3)
-    assert judge(Done(0, "", 1, 1, 1, ""), cell.checks, folder, lambda run: (float(cell.quantity(run)[0]), cell.tolerance))[0] == kind
+    assert judge(Done(0, "", 1, 1, 1, ""), cell.checks, folder, lambda run: (float(cell.quantity(run)[0]),
+        cell.tolerance))[0] == kind
     record = {"status": 0, "reason": "", "cpu_s": 1.0, "memory_mib": 1.0, "log": "", "run": str(folder), "fresh": True}
     row = classed(one, (0.002, 0.3), record, {})
     assert row["class"] == kind
@@ -77,7 +78,8 @@ def test_the_map_of_the_cases_judges_falling_disks_by_their_height(share, kind, 
             [2, 20, 0, 0, 0.1, 0, 0, 0, 0, 0.1]]
     (tmp_path / "run").mkdir()
     write_csv(tmp_path / "run" / "particles.csv", HEADER, rows)
-    write_csv(tmp_path / "run" / "motion.csv", "step t kinetic_energy potential_energy momentum_x momentum_y momentum_error".split(),
+    write_csv(tmp_path / "run" / "motion.csv",
+        "step t kinetic_energy potential_energy momentum_x momentum_y momentum_error".split(),
         [[0, 0, 1, 0, 1, 0, 0], [2, 20, 1, 0, 1, 0, 0]])
     record = {"status": 0, "reason": "", "cpu_s": 1.0, "memory_mib": 1.0, "log": "", "run": str(tmp_path / "run"), "fresh": True}
     assert classed(stress.MAPS["defaults"], (1, "falling_particles"), record, {})["class"] == kind
@@ -96,7 +98,8 @@ def test_time_of_half_and_mean_height():
     assert discrete.discharge_time(times, heights[:, :3]) == pytest.approx(2.5)
     with pytest.raises(BadInput, match="1 of 4 disks had passed at 1 s"):
         discrete.discharge_time(times[:2], heights[:2])
-    assert discrete.mean_height(np.array([0, 16.0]), np.array([[4.0, 2], [2.0, 2]]), np.array([3.0, 1])) == pytest.approx(2.75 / 3.5)
+    found = discrete.mean_height(np.array([0, 16.0]), np.array([[4.0, 2], [2.0, 2]]), np.array([3.0, 1]))
+    assert found == pytest.approx(2.75 / 3.5)
 
 
 def test_the_input_of_liggghts_holds_the_scene(tmp_path):
@@ -132,7 +135,8 @@ def test_without_liggghts_one_line_says_so(tmp_path, monkeypatch, capsys):
     jobs = discrete.discrete_jobs(tmp_path, {"fall": {discrete.ELEMENTS: [0, 1, 2]}}, 1, 9)
     samples = run_rounds(jobs, 1, 9, say=lambda text: None)
     assert len(samples) == 2 and {sample.note for sample in samples} == {with_liggghts.MISSING}
-    page = write_page(collect(samples), samples, [], [with_liggghts.MISSING], tmp_path, True, 1.0, (0.1, 0.1), "a machine").read_text()
+    page = write_page(collect(samples), samples, [], [with_liggghts.MISSING], tmp_path, True, 1.0, (0.1, 0.1),
+        "a machine").read_text()
     assert "apt-get install liggghts" in page
     assert [s.note for s in earlier(tmp_path / "bench.csv", ("flow",))] == [with_liggghts.MISSING] * 2
     (tmp_path / "particles.csv").write_text(",".join(HEADER) + "\n")
@@ -150,7 +154,8 @@ def test_the_peer_called_wrongly_is_status_3(words, capsys):
 def test_a_run_is_judged_by_both_limits(late, tmp_path, monkeypatch):
     monkeypatch.setitem(discrete.LIMITS, "discharge", {"own": {discrete.OURS: 1.2, discrete.ELEMENTS: 1.3}, "common": 1.25})
     own, common = 1.2, 1.25
-    monkeypatch.setattr(discrete, "by_suite", lambda problem, level, seed, *more: (late * own + 0.01 * (seed - 2), 2.0 * seed, 50.0))
+    monkeypatch.setattr(discrete, "by_suite", lambda problem, level, seed, *more: (late * own + 0.01 * (seed - 2), 2.0 * seed,
+        50.0))
     jobs = discrete.discrete_jobs(tmp_path, {"discharge": {discrete.OURS: [1]}}, 3, 9)
     mine, both = run_rounds(jobs, 1, 9, say=lambda text: None)
     assert mine.error == pytest.approx(late - 1, abs=1e-12) and both.error == pytest.approx(abs(late * own / common - 1), abs=1e-12)

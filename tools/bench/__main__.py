@@ -155,7 +155,8 @@ def main(words=None):
     for name in ("runs", "trees"):
         shutil.rmtree(out / name, ignore_errors=True)
     print("\n".join(str(path) for path in (page, out / "bench.png", out / "bench.csv") if path.is_file()))
-    ours = [s for s in samples if s.program not in (PUBLISHED, *bench_contacts.PEERS, "NGSolve", "scikit-fem", "lbmpy", "SciPy", ELEMENTS)]
+    ours = [s for s in samples if s.program not in (PUBLISHED, *bench_contacts.PEERS, "NGSolve", "scikit-fem", "lbmpy", "SciPy",
+        ELEMENTS)]
     return 0 if not any(s.note for s in (*ours, *skipped)) else 1
 
 

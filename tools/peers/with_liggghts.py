@@ -19,7 +19,7 @@ from tools.base.run_folder import RunFolder
 from tools.base.runner import finished, run_command
 from tools.base.tables import read_table, write_table
 
-RESTITUTION, POISSON, VELOCITY, STEPS, SKIN = 0.06, 0.3, 2.0, 25, 0.6  # -, -, m/s of the stiffness, steps of a collision, mean radii
+RESTITUTION, POISSON, VELOCITY, STEPS, SKIN = 0.06, 0.3, 2.0, 25, 0.6  # m/s, steps of a collision, mean radii
 PROGRAM = "liggghts"
 MISSING = "LIGGGHTS is not there (Debian: apt-get install liggghts): the discrete element method is left out"
 
