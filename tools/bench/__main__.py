@@ -1,14 +1,14 @@
 """Error against CPU time of flow, particles, contacts and transport; scaling; what is skipped.
 
-    python -m tools.bench                  # make bench: 30 to 50 minutes
+    python -m tools.bench                  # make bench: 40 to 60 minutes
     python -m tools.bench --quick          # make bench QUICK=1: at most 5 minutes
     python -m tools.bench --parts particles skip --out results/bench_some
     python -m tools.bench --keep --parts scaling skip    # the other parts are those of the last run into the folder
 
-The published method, the standard scheme and other packages (NGSolve, scikit-fem, lbmpy, SciPy,
+The published method, the standard scheme and other packages (NGSolve, scikit-fem, lbmpy, SciPy, LIGGGHTS,
 the QP packages piqp, clarabel, scs, osqp) run interleaved, in rounds, on one core and one thread.
 Missing packages are installed with pip unless --no-install is given; one that cannot be installed
-is noted on the page. Writes bench.md (the page), bench.png and bench.csv (every run).
+is noted on the page. LIGGGHTS is a package of Debian; where it is not, a line says so. Writes bench.md (the page), bench.png and bench.csv (every run).
 Each job runs once; no further round starts when the time of its part is over.
 
 Status 0: the standard scheme ran everywhere; 1: somewhere it did not, and the page says why.
@@ -23,6 +23,7 @@ import time
 from tools.base.command import ROOT, Parser, guarded, out_folder, positive, whole
 from tools.base.runner import freefem, machine, own_folder
 from tools.bench import flow, skip
+from tools.bench.discrete import ELEMENTS, LOOSE, discrete_jobs
 from tools.bench.figure import draw
 from tools.bench.page import load, write_page
 from tools.bench.rounds import collect, earlier, run_rounds
@@ -30,8 +31,9 @@ from tools.bench.scaling import scaling_jobs
 from tools.bench.scenes import OURS, PUBLISHED, contact_jobs, flow_jobs, particle_jobs, suspension_jobs
 from tools.bench.transport import transport_jobs
 from tools.peers import contact_packages as bench_contacts
+from tools.peers import with_liggghts
 
-PARTS = ("flow", "particles", "contacts", "transport", "scaling", "skip")
+PARTS = ("flow", "particles", "contacts", "discrete", "transport", "scaling", "skip")
 PACKAGES = {"ngsolve": flow.PEERS["NGSolve"][1], "skfem": flow.PEERS["scikit-fem"][1], "lbmpy": "lbmpy==2.0",
             **{name: f"{name}=={version}" for name, version in bench_contacts.PEERS.items()}}
 PUBLISHED_SETTLING = [(3, 0.005), (4, 0.005), (6, 0.005), (8, 0.0025)]
@@ -74,6 +76,11 @@ def jobs_of(part, there, out, quick, limit):
         if quick:
             return contact_jobs([500, 2000], 1e-8, 500, [1e-4, 1e-8], qp, 20)
         return contact_jobs([500, 5000, 20000], 1e-8, 2000, [1e-3, 1e-6, 1e-9], qp, 60)
+    if part == "discrete":
+        short = {OURS: [0, 1, 2], ELEMENTS: [0, 1, 2, 3]}
+        discharge = {OURS: [0], LOOSE: [0, 1], ELEMENTS: [0, 2]} if quick else {OURS: [0, 1, 2], LOOSE: [0, 1, 2, 3],
+            ELEMENTS: [0, 1, 2, 3]}
+        return discrete_jobs(out, {"discharge": discharge, "fall": short}, 1 if quick else 3, limit)
     if part == "transport":
         return transport_jobs(out, [100, 10000] if quick else [100, 1000, 10000, 100000], 2 if quick else 3)
     if quick:
@@ -88,8 +95,8 @@ def jobs_of(part, there, out, quick, limit):
 
 
 # Minutes of a part after which no further round begins; what is skipped takes 7 and 1.
-SHARES = {False: {"flow": 16, "particles": 8, "contacts": 6, "transport": 1, "scaling": 6},
-          True: {"flow": 0.6, "particles": 1, "contacts": 0.6, "transport": 0.2, "scaling": 0.7}}
+SHARES = {False: {"flow": 16, "particles": 8, "contacts": 6, "discrete": 3, "transport": 1, "scaling": 6},
+          True: {"flow": 0.6, "particles": 1, "contacts": 0.6, "discrete": 0.5, "transport": 0.2, "scaling": 0.7}}
 
 
 def parser():
@@ -129,6 +136,8 @@ def main(words=None):
     def say(text):
         print(f"[{(time.perf_counter() - begin) / 60:5.1f} min] {text}", flush=True)
     skipped, kept = [], sorted({s.section for s in samples}, key=PARTS.index)
+    if "discrete" in given.parts and not with_liggghts.program():
+        missing.append(with_liggghts.MISSING)
     missing += [f"{', '.join(kept)}: of an earlier run into this folder"] if kept else []
     for part in given.parts:
         if part == "skip":
@@ -146,7 +155,8 @@ def main(words=None):
     for name in ("runs", "trees"):
         shutil.rmtree(out / name, ignore_errors=True)
     print("\n".join(str(path) for path in (page, out / "bench.png", out / "bench.csv") if path.is_file()))
-    ours = [s for s in samples if s.program not in (PUBLISHED, *bench_contacts.PEERS, "NGSolve", "scikit-fem", "lbmpy", "SciPy")]
+    ours = [s for s in samples if s.program not in (PUBLISHED, *bench_contacts.PEERS, "NGSolve", "scikit-fem", "lbmpy", "SciPy",
+        ELEMENTS)]
     return 0 if not any(s.note for s in (*ours, *skipped)) else 1
 
 

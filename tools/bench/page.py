@@ -6,7 +6,7 @@ from importlib import metadata
 
 from tools.base.runner import commit, versions
 from tools.base.tables import write_table
-from tools.bench.rounds import Sample, ratio_at_equal_error
+from tools.bench.rounds import Sample, cost_at, ratio_at_equal_error
 from tools.study.convergence import fitted_order
 
 TITLES = {
@@ -16,6 +16,9 @@ TITLES = {
     ("particles", "settling"): "Settling disk: mean velocity over 0.3 to 0.4 s",
     ("particles", "turning"): "Disk turning between sheared plates, R/H = 0.25",
     ("particles", "suspension"): "A step with 50 disks in the pipe",
+    ("discrete", "discharge"): "500 disks leave an hourglass: time of half of them, against the common limit",
+    ("discrete", "fall"): "50 falling disks: mean height at 8 s, against the limit of each series",
+    ("discrete", "fall, common limit"): "50 falling disks, against the common limit",
     ("transport", "spheres"): "1,000 spheres in a cellular flow: mean distance from the exact paths",
     ("transport", "step"): "A step of carried spheres",
     ("contacts", "number"): "Contact projection against the number of disks",
@@ -107,6 +110,17 @@ def ratios(points):
     return lines
 
 
+def at_errors(points, errors=(0.01, 0.02, 0.05)):
+    """What each program costs at given errors, read between measured points."""
+    lines = []
+    for name, some in programs(points).items():
+        found = [f"{seconds(cost_at(some, error))} at {100 * error:g} %" for error in errors if math.isfinite(cost_at(some, error))]
+        if any(not p.note for p in some):
+            lines.append(f"- {name}: " + (", ".join(found) if found else "none of the errors "
+                + ", ".join(f"{100 * error:g}" for error in errors) + " % is between measured points"))
+    return lines
+
+
 def exponents(points):
     """Ratios at equal size, over size 0, and fitted exponents of a problem whose sizes vary."""
     mine, lines = {p.unknowns: p.cost for p in points if p.program == "standard" and not p.note}, []
@@ -168,6 +182,7 @@ def write_page(points, samples, skipped, missing, out, quick, minutes, loads, co
     for (section, problem), some in groups(points).items():
         lines += [f"## {title(section, problem)}", "", *table(some), ""]
         more = ratios(some) if with_error(some) else exponents(some)
+        more += at_errors(some) if section == "discrete" else []
         lines += [*more, ""] if more else []
     if skipped:
         lines += ["## What a scene does not use", "", *skipped_table(skipped), ""]

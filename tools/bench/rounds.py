@@ -150,6 +150,14 @@ def front(points):
     return np.log(both[pareto(*both.T)])
 
 
+def cost_at(points, error):
+    """Cost at which a program reaches this error, by straight lines between its best points in logarithms; nan beyond them."""
+    curve = front(points)
+    if not len(curve) or not curve[-1, 1] <= math.log(error) <= curve[0, 1]:
+        return math.nan
+    return math.exp(np.interp(math.log(error), curve[::-1, 1], curve[::-1, 0]))
+
+
 def ratio_at_equal_error(mine, other):
     """(cost of other over cost of mine, the error it is read at, bound) by straight lines between
     the best points of each in logarithms, at the middle of the errors that both reach. Where the

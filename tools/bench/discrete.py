@@ -1,0 +1,123 @@
+"""The jobs of contacts alone: the projection against the discrete element method (LIGGGHTS), error against CPU time.
+
+Two scenes from the same start: the time in which half of 500 disks leave an hourglass, a mean over seeds, and the mean height of
+50 falling disks. A run is made once and judged by the limit of its own series (dt -> 0, or stiffness -> infinity), and by
+the common one where they differ. Numbers of the limits: docs/limits/contacts_alone.md. The times are those of the whole processes; both write a row
+every 0.02 s (fall: 0.1 s).
+"""
+import functools
+
+import numpy as np
+
+from tools.base.command import BadInput
+from tools.base.run_folder import RunFolder
+from tools.base.runner import finished, run_case
+from tools.bench.rounds import Job
+from tools.bench.scenes import OURS
+from tools.peers import with_liggghts
+
+ELEMENTS, LOOSE = "LIGGGHTS", "standard, loose"
+LOOSER = {"-contact-solver": "accelerated", "-contact-tol": 1e-3, "-contact-overlap": 1e-2}
+STEPS = [0.004, 0.002, 0.001, 0.0005]  # s, of the discharge
+MODULI = [1e7, 1e8, 6e8, 6e9]  # Pa
+FALL_STEPS, FALL_MODULI = [0.08, 0.04, 0.02, 0.01], [1e3, 1e4, 1e5, 1e6]
+FALL_TIME = 8.0  # s, at which the mean height is taken
+# s, within 0.01 (four seeds; the two limits cannot be told apart); and the mean height over that at the start (where a disk of
+# LIGGGHTS still rebounds with 0.06 of its speed)
+LIMITS = {"discharge": {"own": {OURS: 1.30, ELEMENTS: 1.30}, "common": 1.30},
+          "fall": {"own": {OURS: 0.3389, ELEMENTS: 0.3407}, "common": 0.3398}}
+
+
+def discharge_time(times, heights):
+    """Time in which half of the disks have passed the height 0, s; times (T), heights (T x N)."""
+    passed = (np.asarray(heights) < 0).sum(axis=1)
+    half = 0.5 * np.shape(heights)[1]
+    if passed[-1] < half:
+        raise BadInput(f"{passed[-1]} of {np.shape(heights)[1]} disks had passed at {times[-1]:g} s: too few to tell the time of half")
+    at = int(np.argmax(passed >= half))
+    return float(times[0] if at == 0 else np.interp(half, passed[at - 1:at + 1], times[at - 1:at + 1]))
+
+
+def mean_height(times, heights, masses):
+    """Mean height at FALL_TIME over that at the start."""
+    mean = heights @ masses / masses.sum()
+    return float(np.interp(FALL_TIME, times, mean) / mean[0])
+
+
+def suite_rows(run):
+    """(times, heights T x N, masses up to a factor) of a run of the suite."""
+    table = RunFolder(run).particles
+    times = np.unique(table["t"])
+    heights = table["y"].reshape(len(times), -1)
+    return times, heights, table["radius"][:heights.shape[1]] ** 2
+
+
+def options_of(problem, seed):
+    """The case of a problem and its options but the step."""
+    if problem == "fall":
+        return "cases/falling_particles.edp", {"-seed": seed, "-tend": FALL_TIME, "-every": 0.1}
+    return "cases/hourglass.edp", {"-number": 500, "-radius": 0.013, "-neck": 0.12, "-seed": seed, "-tend": 1.7, "-every": 0.02}
+
+
+def value_of(problem, times, heights, masses):
+    """What a problem is judged by."""
+    return mean_height(times, heights, masses) if problem == "fall" else discharge_time(times, heights)
+
+
+def by_suite(problem, level, seed, out, more, limit):
+    """(value, CPU s, MiB) of the suite."""
+    script, options = options_of(problem, seed)
+    step = (FALL_STEPS if problem == "fall" else STEPS)[level]
+    folder = out / "runs" / f"{problem}_{level}_{seed}"
+    done = finished(run_case(script, {**options, **more, "-dt": step}, out=folder, limit=limit))
+    return value_of(problem, *suite_rows(folder)), done.cpu_s, done.memory_mb
+
+
+def by_elements(problem, level, seed, out, limit):
+    """The same of LIGGGHTS, from the first row of a short run of the suite, which is not timed."""
+    if not with_liggghts.program():
+        raise BadInput(with_liggghts.MISSING)
+    script, options = options_of(problem, seed)
+    first = out / "runs" / f"{problem}_start_{seed}"
+    if not (first / "particles.csv").is_file():
+        finished(run_case(script, {**options, "-dt": 0.02, "-tend": 0.02}, out=first, limit=limit))
+    young = (FALL_MODULI if problem == "fall" else MODULI)[level]
+    times, places, masses, done = with_liggghts.compute(first, young, out / "runs" / f"{problem}_elements_{level}_{seed}",
+        options["-every"], options["-tend"], limit)
+    return value_of(problem, times, places[:, :, 1], masses), done.cpu_s, done.memory_mb
+
+
+def measured(problem, program, level, seeds, out, limit, kept):
+    """The job judged by the program's own limit: mean over seeds. kept: {key: result}, for the job that follows."""
+    more = LOOSER if program == LOOSE else {}
+    runs = [by_elements(problem, level, seed, out, limit) if program == ELEMENTS else
+            by_suite(problem, level, seed, out, more, limit) for seed in range(1, seeds + 1)]
+    values, cpu, memory = (np.array(column) for column in zip(*runs))
+    kept[problem, program, level] = {"unknowns": 50 if problem == "fall" else 500, "cpu_s": float(cpu.mean()),
+        "memory_mb": float(memory.max())}, float(values.mean())
+    return judged(problem, program, level, "own", kept)
+
+
+def judged(problem, program, level, by, kept):
+    """A result that is kept, against a limit ("own" or "common")."""
+    if (problem, program, level) not in kept:
+        raise BadInput(with_liggghts.MISSING if program == ELEMENTS and not with_liggghts.program() else "its run gave no value")
+    costs, value = kept[problem, program, level]
+    limit = LIMITS[problem]["common"] if by == "common" else LIMITS[problem]["own"][ELEMENTS if program == ELEMENTS else OURS]
+    return {**costs, "error": abs(value / limit - 1)}
+
+
+def discrete_jobs(out, levels, seeds, limit):
+    """levels: {problem: {program: levels}}. Without LIGGGHTS one job says so for each of its curves."""
+    jobs, kept = [], {}
+    for problem, programs in levels.items():
+        for level in range(4):
+            for program, those in programs.items():
+                if level not in those or program == ELEMENTS and not with_liggghts.program() and level != min(those):
+                    continue
+                jobs.append(Job("discrete", problem, program, level, functools.partial(measured, problem, program, level,
+                    1 if problem == "fall" else seeds, out, limit, kept)))
+                if len({LIMITS[problem]["common"], *LIMITS[problem]["own"].values()}) > 1:
+                    jobs.append(Job("discrete", f"{problem}, common limit", program, level, functools.partial(judged, problem,
+                        program, level, "common", kept)))
+    return jobs
