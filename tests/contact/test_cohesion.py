@@ -30,7 +30,8 @@ def test_a_disk_leaves_a_plane_at_the_exact_time(most, dt, freefem_text, tmp_pat
 
 
 def test_disks_stick_together_and_keep_their_momentum(freefem_text, tmp_path):
-    """The impulse of the collision is what holds them: the third one, which pulls with less, goes along; one that is faster leaves."""
+    """The impulse of the collision is what holds them: the third one, which pulls with less, goes along; one that is faster
+    leaves."""
     pair = "bodyAdd(-0.1001, 0, 0.1, 1000, 1, 0, 0, 1); bodyAdd(0.1001, 0, 0.1, 1000, -1, 0, 0, 1);"
     freefem_text(CONTACTS.format(bodies=pair, walls="", gravity=0, more="macro caseStep() if (abs(timeNow - 0.1) < 1e-9) { "
         "driveU[0] -= 0.6; driveU[1] += 0.6; } if (abs(timeNow - 0.2) < 1e-9) { driveU[0] -= 0.6; driveU[1] += 0.6; } // EOM"),
@@ -51,5 +52,6 @@ def test_a_glued_scene_goes_on_bit_for_bit(freefem_text, tmp_path):
 
 @pytest.mark.parametrize("words", [("-friction", 0.3), ("-restitution", 0.5), ("-contact-form", "ballistic")])
 def test_cohesion_goes_alone(words, freefem_text, tmp_path):
-    done = freefem_text(CONTACTS.format(**PLANE, gravity=-9.81, more=""), "-cohesion", 1, *words, "-out", tmp_path / "run", check=False)
+    done = freefem_text(CONTACTS.format(**PLANE, gravity=-9.81, more=""), "-cohesion", 1, *words, "-out", tmp_path / "run",
+        check=False)
     assert_refused(done, [3], "cohesion is for contacts without friction and restitution")
