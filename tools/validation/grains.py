@@ -62,7 +62,8 @@ def pyramids(context):
     sunk = 1 + np.sqrt(3) - last(run)["y"][2::3] / R
     yield context.row("pyramids of three with 1.01 of the friction they need: sinking (radii)", "closed form", 0,
         np.abs(sunk[[0, 2]]).max(), atol=1e-7, cpu_s=run.cpu_s)
-    yield context.row("pyramids of three with 0.99 of it: sinking (radii)", "closed form", np.nan, sunk[[1, 3]].min(), at_least=1e-3)
+    yield context.row("pyramids of three with 0.99 of it: sinking (radii)", "closed form", np.nan, sunk[[1, 3]].min(),
+        at_least=1e-3)
 
 
 def janssen(context):
