@@ -62,7 +62,8 @@ def pyramids(context):
     sunk = 1 + np.sqrt(3) - last(run)["y"][2::3] / R
     yield context.row("pyramids of three with 1.01 of the friction they need: sinking (radii)", "closed form", 0,
         np.abs(sunk[[0, 2]]).max(), atol=1e-7, cpu_s=run.cpu_s)
-    yield context.row("pyramids of three with 0.99 of it: sinking (radii)", "closed form", np.nan, sunk[[1, 3]].min(), at_least=1e-3)
+    yield context.row("pyramids of three with 0.99 of it: sinking (radii)", "closed form", np.nan, sunk[[1, 3]].min(),
+        at_least=1e-3)
 
 
 def janssen(context):
@@ -74,7 +75,7 @@ def janssen(context):
         bodies = [f"bodyDisk({float(0.0125 + 0.0275 * (k % across) + rng.uniform(0, 0.003))!r}, "
             f"{float(0.013 + 0.0265 * (k // across))!r}, {float(R * rng.uniform(0.85, 1.15))!r}, 1000);" for k in range(number)]
         walls = ["contactWallSegment(0, -1, 0, 3);", f"contactWallSegment({width}, -1, {width}, 3);",
-            f"contactWallRough(contactWallSegment(-1, 0, 1, 0), 0);", "contactWallVelocity(2, 0, -0.02);"]
+            "contactWallRough(contactWallSegment(-1, 0, 1, 0), 0);", "contactWallVelocity(2, 0, -0.02);"]
         run = scene(context, f"janssen_{number}", bodies, walls, {"-friction": mu, "-dt": 0.001, "-tend": 1.2, "-every": 0.01},
             tol=1e-5)
         contacts = run.folder.columns("contacts")
