@@ -27,8 +27,10 @@ help:
 run: setup
 	$(FREEFEM) -nw cases/pipe_obstacles.edp -out $(RUN) -overwrite 1 -fields 0.02
 	$(PYTHON) -m tools.plot $(RUN)
-	@echo 'Tables and pictures are in $(RUN):'
-	@ls $(RUN)/*.csv $(RUN)/*.png $(RUN)/*.mp4 $(RUN)/*.gif 2>/dev/null || true
+	$(PYTHON) -m tools.bodies $(RUN)
+	$(PYTHON) -m tools.compress $(RUN)
+	@echo 'Tables, pictures and lists of files for ParaView (.pvd) are in $(RUN):'
+	@ls $(RUN)/*.csv $(RUN)/*.png $(RUN)/*.mp4 $(RUN)/*.gif $(RUN)/*.pvd 2>/dev/null || true
 
 TESTS ?= tests
 test: setup

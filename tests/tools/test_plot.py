@@ -286,3 +286,26 @@ def test_a_logarithmic_axis_has_two_labels_at_least(folder, tmp_path, monkeypatc
     low, high = axes.get_ylim()
     assert sum(low <= tick <= high for tick in axes.get_yticks()) >= 2 and axes.get_position().width > 0.6
     plt.close(seen[0])
+
+
+@pytest.mark.parametrize("show", ["vorticity", "stream"])
+def test_vorticity_and_streamlines_are_drawn(freefem, tmp_path, show, monkeypatch):
+    freefem("cases/poiseuille.edp", "-dt", 0.1, "-tend", 20, "-fields", 10, "-out", tmp_path / "run")
+    kept = []
+    monkeypatch.setattr(plot, "save", lambda figure, path: kept.append(figure) or path)
+    plot.plot_fields(RunFolder(tmp_path / "run"), tmp_path / "a.png", number=1, show=show)
+    figure = kept[0]
+    label, field = figure.axes[-1].get_ylabel(), figure.axes[0].collections[0]
+    low, high = field.get_clim()
+    assert label == {"vorticity": "vorticity (1/s)", "stream": "stream function (m$^2$/s)"}[show]
+    lines = [one for one in figure.axes[0].collections if type(one).__name__ == "TriContourSet"]
+    if show == "vorticity":
+        assert low == -high and 0.5 < high and not lines
+    else:  # the flux between the plates is 2/3 m2/s of the parabola
+        assert low == pytest.approx(0, abs=0.01) and high == pytest.approx(2 / 3, rel=0.02) and len(lines) == 1
+    plt.close(figure)
+
+
+def test_what_the_fields_do_not_hold_is_said(folder):
+    done = run_tool("plot", folder, "--only", "fields", "--show", "vorticity")
+    assert done.returncode == 3 and "hold no vorticity" in done.stderr and done.stderr.count("\n") == 1

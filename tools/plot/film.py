@@ -11,8 +11,8 @@ import numpy as np
 
 from tools.base.command import BadInput
 from tools.base.run_folder import own
-from tools.plot.style import (draw_boundary, draw_speed, fitting, frame, lowest_with, panels, particle_artists, plt,
-                            speed_of, speed_top, time_text)
+from tools.plot.style import (draw_boundary, draw_speed, draw_streamlines, fitting, frame, label_of, lowest_with, panels,
+    particle_artists, plt, scale_of, shown_of, time_text)
 
 DPI = 160
 
@@ -29,16 +29,16 @@ def frame_rate(number):
     return int(np.clip(number / 12, 4, 25))
 
 
-def pictures(run, frames):
-    """The frames one by one, each a shot()."""
+def pictures(run, frames, show="speed"):
+    """The frames one by one, each a shot(); show: what of the fields is drawn, one of SHOWN."""
     length, second = run.units["length"], run.units["time"]
     numbers = [k for _, k in frames]
     with_velocity = all(k is not None for k in numbers)
-    top, extend = 1.0, "neither"
+    scale, extend, lines = None, "neither", None
     if with_velocity:
         sample = sorted(set(np.linspace(0, len(numbers) - 1, min(12, len(numbers))).astype(int)))
-        top, extend = speed_top([speed_of(run.field(numbers[k])[1]) for k in sample])
-    label = f"velocity magnitude ({length}/{second})"
+        scale, extend = scale_of([shown_of(run.field(numbers[k])[1], show, run) for k in sample], show)
+    label = label_of(show, run.units)
     figure, (axes,), bar = panels(1, run.extent, height=6.4, lowest=lowest_with(label))
     figure.set_dpi(DPI)
     draw_boundary(axes, run)
@@ -53,12 +53,15 @@ def pictures(run, frames):
             mesh, values = run.field(k)
             same = shape is not None and np.array_equal(mesh.triangles, shape)
             if drawn is not None and same:
-                drawn.set_array(speed_of(values))
+                drawn.set_array(shown_of(values, show, run))
             else:
                 if drawn is not None:
                     drawn.remove()
-                drawn, shape = draw_speed(axes, mesh, speed_of(values), top), mesh.triangles
+                drawn, shape = draw_speed(axes, mesh, shown_of(values, show, run), **scale), mesh.triangles
                 figure.colorbar(drawn, cax=bar, extend=extend).set_label(label)
+            if lines is not None:
+                lines.remove()
+            lines = draw_streamlines(axes, mesh, shown_of(values, show, run), scale) if show == "stream" else None
         elif bar is not None:
             bar.remove()
             bar = None
@@ -123,7 +126,7 @@ def write_film(out, shots, rate, gif=False):
     return own(path)
 
 
-def make_film(run, out, most=300, gif=False):
+def make_film(run, out, most=300, gif=False, show="speed"):
     """Write film.mp4 or film.gif into the folder `out`; returns its path."""
     frames = thinned(run, run.frames, most)
-    return write_film(out, pictures(run, frames), frame_rate(len(frames)), gif)
+    return write_film(out, pictures(run, frames, show), frame_rate(len(frames)), gif)

@@ -1,11 +1,12 @@
 """Pictures of a run: velocity and particles at six times, trajectories, time series, film.
 
-    python -m tools.plot RUN [--out DIR] [--no-film] [--only fields trajectories series film]
+    python -m tools.plot RUN [--out DIR] [--no-film] [--only fields trajectories series film] [--show vorticity]
 
 Writes fields.png, trajectories.png, series.png and film.mp4 (a gif where no mp4 can be
 made) into DIR, by default the run folder itself, and prints where they are. What a run
 does not hold (no particles, no field files) is left out and said.
 """
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +14,8 @@ from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from tools.base.command import BadInput, Parser, whole
 from tools.plot.film import make_film
-from tools.plot.style import (LINE_MAP, PAGE_WIDTH, ROUNDING, clip_to, curve, draw_boundary, draw_speed, fitting, frame, headline,
-    lowest_with, panels, particle_artists,
-                            plt, save, speed_of, speed_top, time_text)
+from tools.plot.style import (LINE_MAP, PAGE_WIDTH, ROUNDING, SHOWN, clip_to, curve, draw_boundary, draw_speed, draw_streamlines,
+    fitting, frame, headline, label_of, lowest_with, panels, particle_artists, plt, save, scale_of, shown_of, time_text)
 from tools.base.quantities import closed
 from tools.base.run_folder import RunFolder
 
@@ -37,21 +37,25 @@ def spread(frames, number=6):
     return picked
 
 
-def plot_fields(run, path, number=6):
-    """Velocity magnitude with the particles at six times, one colour bar."""
+def plot_fields(run, path, number=6, show="speed"):
+    """What of the fields is shown (SHOWN), with the particles at six times and one colour bar."""
     chosen = spread(run.frames, number)
     if not chosen:
         raise BadInput(f"the run {run.folder} has neither fields nor particles to draw")
     length, second = run.units["length"], run.units["time"]
     fields = [None if k is None else run.field(k) for _, k in chosen]
     with_velocity = all(field is not None for field in fields)
-    top, extend = speed_top([speed_of(values) for _, values in fields]) if with_velocity else (1, "neither")
-    label = f"velocity magnitude ({length}/{second})"
+    if with_velocity:
+        drawn_values = [shown_of(values, show, run) for _, values in fields]
+        scale, extend = scale_of(drawn_values, show)
+    label = label_of(show, run.units)
     figure, axes, bar = panels(len(chosen), run.extent, lowest=lowest_with(label) if with_velocity else 0.0)
     drawn = None
-    for one, (t, _), field in zip(axes, chosen, fields):
+    for k, (one, (t, _), field) in enumerate(zip(axes, chosen, fields)):
         if with_velocity:
-            drawn = draw_speed(one, field[0], speed_of(field[1]), top)
+            drawn = draw_speed(one, field[0], drawn_values[k], **scale)
+            if show == "stream":
+                draw_streamlines(one, field[0], drawn_values[k], scale)
         draw_boundary(one, run)
         if run.has("particles"):
             particle_artists(one, run.particles_at(t), clip=run.clip, spokes=run.turns)
@@ -62,8 +66,8 @@ def plot_fields(run, path, number=6):
         figure.colorbar(drawn, cax=bar, extend=extend).set_label(label)
     else:
         bar.remove()
-    what = "velocity and particles" if with_velocity and run.has("particles") else \
-        "velocity" if with_velocity else "particles"
+    name = {"speed": "velocity", "stream": "streamlines"}.get(show, show)
+    what = f"{name} and particles" if with_velocity and run.has("particles") else name if with_velocity else "particles"
     headline(figure, title(run, what, figure.get_figwidth()))
     return save(figure, path)
 
@@ -213,6 +217,8 @@ def parser():
     options.add_argument("run", help="run folder, such as results/pipe_obstacles/default")
     options.add_argument("--out", metavar="DIR", help="where the pictures go (default: the run folder)")
     options.add_argument("--only", nargs="+", choices=MADE, metavar="WHAT", help="some of: " + ", ".join(MADE))
+    options.add_argument("--show", choices=SHOWN, default="speed", help="of the fields, in picture and film: " + ", ".join(SHOWN)
+        + " (default speed)")
     options.add_argument("--no-film", action="store_true", help="no film")
     options.add_argument("--gif", action="store_true", help="the film as a gif even where an mp4 can be made")
     options.add_argument("--frames", type=whole(2), default=300, metavar="N", help="most frames of the film (default 300)")
@@ -249,9 +255,9 @@ def main(words=None):
             print(f"{name}: left out, {reason}")
             continue
         if name == "film":
-            path = make_film(run, out, most=given.frames, gif=given.gif)
+            path = make_film(run, out, most=given.frames, gif=given.gif, show=given.show)
         else:
-            draw = {"fields": plot_fields, "trajectories": plot_trajectories, "series": plot_series}[name]
+            draw = {"fields": partial(plot_fields, show=given.show), "trajectories": plot_trajectories, "series": plot_series}[name]
             path = draw(run, out / f"{name}.png")
         made += 1
         bare = name == "fields" and all(field is None for _, field in run.frames)

@@ -16,7 +16,8 @@ from tools.base.command import BadInput  # noqa: E402
 from tools.base.mesh_files import AXIS, OPEN, SOLID, chains  # noqa: E402
 from tools.base.run_folder import own  # noqa: E402
 
-FIELD_MAP = "viridis"
+FIELD_MAP, SIGNED_MAP = "viridis", "RdBu_r"
+SHOWN = ("speed", "vorticity", "stream")  # what of a field is drawn
 # The pale end of a map is lost on white paper, so lines use the darker part.
 LINE_MAP = matplotlib.colors.LinearSegmentedColormap.from_list(
     "cividis_dark", matplotlib.colormaps["cividis"](np.linspace(0, 0.88, 256)))
@@ -207,10 +208,10 @@ def clip_to(axes, artist, clip):
         artist.set_clip_path(Rectangle(clip[:2], *clip[2:], transform=axes.transData))
 
 
-def draw_speed(axes, mesh, speed, top):
-    """The field of |velocity| on the P1 mesh, colours from 0 to top. Returns the artist."""
+def draw_speed(axes, mesh, speed, top, low=0.0, colours=FIELD_MAP):
+    """A nodal field on the P1 mesh, by default |velocity|, colours from low to top. Returns the artist."""
     drawn = axes.tripcolor(mesh.points[:, 0], mesh.points[:, 1], mesh.triangles, speed,
-                           shading="gouraud", cmap=FIELD_MAP, vmin=0, vmax=top, zorder=1, rasterized=True)
+                           shading="gouraud", cmap=colours, vmin=low, vmax=top, zorder=1, rasterized=True)
     return drawn
 
 
@@ -229,6 +230,46 @@ def speed_top(speeds):
     high = float(np.quantile(everything, 0.999))
     most = float(everything.max())
     return (high, "max") if 0 < high < 0.97 * most else (most, "neither")
+
+
+def shown_of(values, show, run):
+    """The nodal values of a field that are drawn, one of SHOWN. Raises BadInput where the fields of the run do not have them."""
+    if show == "speed":
+        return speed_of(values)
+    if show not in values:
+        raise BadInput(f"the fields of {run.folder} hold no {show}: another version of the program wrote them, or a "
+            f"steady flow")
+    return values[show]
+
+
+def scale_of(arrays, show):
+    """Ends of the colour scale of fields, how the bar ends, and its colours: {"low", "top", "colours"}, extend. The vorticity
+    has white at 0 and the same range on both sides; its largest 2 %, at corners and in thin layers, lie beyond."""
+    if show == "speed":
+        top, extend = speed_top(arrays)
+        return {"low": 0.0, "top": top, "colours": FIELD_MAP}, extend
+    everything = np.concatenate(arrays)
+    everything = everything[np.isfinite(everything)]
+    if show == "stream":
+        low, top = (everything.min(), everything.max()) if len(everything) and np.ptp(everything) > 0 else (0.0, 1.0)
+        return {"low": low, "top": top, "colours": FIELD_MAP}, "neither"
+    top = float(np.quantile(abs(everything), 0.98)) if len(everything) else 0.0
+    top = top if top > 0 else float(abs(everything).max(initial=0)) or 1.0
+    return {"low": -top, "top": top, "colours": SIGNED_MAP}, "both" if abs(everything).max(initial=0) > top else "neither"
+
+
+def label_of(show, units):
+    """The name of what is drawn, with its unit."""
+    length, second = units["length"], units["time"]
+    return {"speed": f"velocity magnitude ({length}/{second})", "vorticity": f"vorticity (1/{second})",
+        "stream": f"stream function ({length}$^2$/{second})"}[show]
+
+
+def draw_streamlines(axes, mesh, stream, scale, number=24):
+    """Lines of equal stream function at `number` levels of its scale. Returns the artist."""
+    levels = np.linspace(scale["low"], scale["top"], number + 2)[1:-1]
+    return axes.tricontour(mesh.points[:, 0], mesh.points[:, 1], mesh.triangles, stream, levels=levels, colors="white",
+        linewidths=0.5, linestyles="solid", zorder=2)
 
 
 def time_text(t, unit="s", last=None):
