@@ -157,8 +157,9 @@ def test_setup_without_apt_says_what_is_missing(setup):
 
 
 def test_setup_without_python_packages_says_what_to_install(setup):
-    # As root with an apt-get that does nothing: only pip has no network.
-    run = setup({"id": "echo 0", "apt-get": "exit 0", "FreeFem++": "exit 0"}, PIP_NO_INDEX="1")
+    # As root with an apt-get that does nothing, in an environment where pip cannot run (without pip it is made in a moment).
+    python = f'test "$2" != venv || set -- "$@" --without-pip\nexec "{sys._base_executable}" "$@"'
+    run = setup({"id": "echo 0", "apt-get": "exit 0", "FreeFem++": "exit 0", "python3": python}, PYTHON="python3")
     assert run.returncode != 0
     assert "pip install -r tools/setup/requirements.txt" in run.stderr.splitlines()[-1]
 
