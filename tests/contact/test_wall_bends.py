@@ -130,13 +130,13 @@ for (int k = contactPairs; k < contactN; ++k) g << contactI[k] << " " << -1 - co
 """
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_an_ellipse_that_touches_nothing_has_no_negative_gap(seed, freefem_text, tmp_path):
+@pytest.mark.parametrize("seed, n", [(1, 400), (2, 1500)])
+def test_an_ellipse_that_touches_nothing_has_no_negative_gap(seed, n, freefem_text, tmp_path):
     """On either side of such lines: below 0 only for who overlaps a wall; never above the distance of the outline to the segment;
     below it where it is that to the line."""
     rng = np.random.default_rng(seed)
     ends = wavy(rng, seed)
-    n, some = 1500, 150
+    some = n // 10
     px, py = rng.uniform(-1.3, 1.3, (2, n))
     turn, aspect, size, distance = rng.uniform(0, np.pi, n), rng.uniform(0.05, 1, n), np.empty(n), []
     angles = np.linspace(0, 2 * np.pi, 180, endpoint=False)
@@ -155,9 +155,9 @@ def test_an_ellipse_that_touches_nothing_has_no_negative_gap(seed, freefem_text,
     freefem_text(ELLIPSE_GAPS.format(walls=tmp_path / "walls.csv", bodies=tmp_path / "bodies.txt", gaps=tmp_path / "gaps.txt"))
     found = np.loadtxt(tmp_path / "gaps.txt")
     body, wall, gap = found[:, 0].astype(int), found[:, 1].astype(int), found[:, 2]
-    assert len(found) > 20000 and gap.min() > -1e-9
+    assert len(found) > 13 * n and gap.min() > -1e-9
     outline = np.array(distance)[body[body < some], wall[body < some]]
-    assert (gap[body < some] <= outline + 1e-9).all() and (gap[body < some] < outline - 0.02).sum() > 50
+    assert (gap[body < some] <= outline + 1e-9).all() and (gap[body < some] < outline - 0.02).sum() > some / 3
 
 
 def chain(*turns, lengths=(1.0, 0.9, 0.8, 0.7)):
