@@ -45,7 +45,7 @@ def test_outlets_share_the_flow_as_in_stokes_equations(mesh, freefem, freefem_te
 
 def test_who_leaves_is_told_once_and_goes_where_the_water_goes(mesh, freefem, tmp_path):
     """The height of entry that parts those that leave below from those above is that of the streamline which ends at the island."""
-    freefem(CASE, "-mesh", mesh, "-diameter", 0.2, "-number", 12, "-interval", 0.05, "-tend", 1.2, "-out", tmp_path / "run")
+    freefem(CASE, "-mesh", mesh, "-diameter", 0.2, "-number", 12, "-interval", 0.03, "-tend", 0.85, "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     entered, left = (run.table(name) for name in ("entries", "exits"))
     inside = {int(one) for one in run.particles["id"][run.particles["t"] == run.fluid["t"].max()]}
