@@ -8,10 +8,9 @@ from tests.conftest import run_freefem
 
 LOCALES = {"LANG": "fr_FR.UTF-8", "LC_ALL": "fr_FR.UTF-8", "LC_NUMERIC": "fr_FR.UTF-8"}
 RUNS = {  # a case of each driver, and the table that is compared
-    "resolved": (["cases/template.edp", "-tend", 0.005], "particles.csv"),
-    "particles of a file": (["cases/template.edp", "-tend", 0.0025, "-particles", "{0}/one.csv"], "particles.csv"),
+    "resolved, with particles of a file": (["cases/template.edp", "-tend", 0.005, "-particles", "{0}/one.csv"], "particles.csv"),
     "flow": (["cases/poiseuille.edp", "-tend", 0.02], "mesh.mesh"),
-    "steady laminar": (["cases/cylinder_steady.edp"], "mesh.mesh"),
+    "steady laminar": (["cases/cavity.edp", "-reynolds", 10], "lines.csv"),
     "contacts": (["cases/falling_particles.edp", "-number", 5, "-tend", 0.2], "particles.csv"),
     "transport": (["tests/transport/scripts/analytic.edp", "-tend", 0.02], "particles.csv"),
     "projection": (["scripts/project_velocities.edp", "-bodies", "tests/data/contact/random_50_bodies.csv", "-walls",
