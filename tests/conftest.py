@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.scenes import CHANNEL
+from tests.scenes import CHANNEL, READING
 from tools.base.command import guarded
 from tools.base.mesh_files import read_mesh
 
@@ -129,6 +129,14 @@ def freefem_text(tmp_path):
         return run_freefem(script, *args, **options)
 
     return run
+
+
+@pytest.fixture(scope="session")
+def reading(tmp_path_factory):
+    """A script that reads words, a mesh and particles as a case does, and computes nothing (a file)."""
+    script = tmp_path_factory.mktemp("reading") / "reading.edp"
+    script.write_text(READING)
+    return script
 
 
 @pytest.fixture

@@ -7,10 +7,10 @@ from tools.base.tables import read_table
 
 @pytest.mark.parametrize("rows, complaint", [("5,1,2,x,2\n", "line 2"), ("", "contains no particle"),
     ("5,1,2,0.1,2\n\n6,1,3,0.1\n", "line 4")])
-def test_a_bad_file_of_particles_is_refused_with_its_line(freefem_refused, tmp_path, rows, complaint):
+def test_a_bad_file_of_particles_is_refused_with_its_line(freefem_refused, reading, tmp_path, rows, complaint):
     file = tmp_path / "disks.csv"
     file.write_text("id,x,y,radius,density\n" + rows)
-    assert complaint in freefem_refused(3, "cases/settling_disk.edp", "-particles", file)
+    assert complaint in freefem_refused(3, reading, "-particles", file)
 
 
 @pytest.mark.parametrize("head, row, complaint", [
@@ -19,10 +19,10 @@ def test_a_bad_file_of_particles_is_refused_with_its_line(freefem_refused, tmp_p
     ("id,x,y,radius", "5,1,2,0.1", "lacks the column density"),
     ("id,x,y,radius,density", "5,1,2,0.1,2\n5,1,4,0.1,2", "line 3: particle 5 is listed a second time"),
 ])
-def test_what_is_wrong_in_a_file_of_particles_is_named(freefem_refused, tmp_path, head, row, complaint):
+def test_what_is_wrong_in_a_file_of_particles_is_named(freefem_refused, reading, tmp_path, head, row, complaint):
     file = tmp_path / "disks.csv"
     file.write_text(f"{head}\n{row}\n")
-    assert complaint in freefem_refused(3, "cases/settling_disk.edp", "-particles", file)
+    assert complaint in freefem_refused(3, reading, "-particles", file)
 
 
 @pytest.mark.parametrize("text,words", [
@@ -37,10 +37,10 @@ def test_what_is_wrong_in_a_file_of_particles_is_named(freefem_refused, tmp_path
     ("id,x,y,radius,density,free,turns\n0,1,1,0.1,2,0,0.5\n", "1: it turns freely"),
     ("id,x,y,radius,density,turns\n0,1,1,0.1,2,0\n", "1: it turns freely"),
 ])
-def test_a_bad_list_of_particles_is_refused(freefem, tmp_path, text, words):
+def test_a_bad_list_of_particles_is_refused(freefem, reading, tmp_path, text, words):
     file = tmp_path / "bad.csv"
     file.write_text(text)
-    done = freefem("cases/settling_disk.edp", "-particles", file, "-out", tmp_path / "run", check=False)
+    done = freefem(reading, "-particles", file, "-out", tmp_path / "run", check=False)
     assert done.returncode == 3 and words in done.stdout + done.stderr
 
 

@@ -8,7 +8,7 @@ from tests.tables import broken_off, numbers
 
 
 def test_budgets_and_shapes_outlive_a_restart(shaft, tmp_path):
-    mesh = make_mesh(tmp_path / "shear.mesh", "ellipse_in_shear", "--size", 0.00625, "--core", 0.13)
+    mesh = make_mesh(tmp_path / "shear.mesh", "ellipse_in_shear", "--size", 0.0125, "--core", 0.13)
     words = ["cases/ellipse_in_shear.edp", "-mesh", mesh, "-major", "0.05", "-tend", "0.1", "-dt", "0.01", "-checkpoint", "5"]
     whole, broken = broken_off(words, tmp_path / "ellipse", 5)
     words = ["cases/settling_disk.edp", *shaft, "-dt", "0.002", "-tend", "0.02", "-budget", "1", "-checkpoint", "5"]
@@ -26,81 +26,82 @@ def test_ellipses_that_touch_go_on_after_a_restart_bit_for_bit(tmp_path):
         assert (broken / name).read_bytes() == (whole / name).read_bytes(), name
 
 
-def test_forces_that_a_case_reads_outlive_a_restart(tmp_path):
+def test_forces_that_a_case_reads_outlive_a_restart(cell, tmp_path):
     """caseMotion takes its velocities of bodyForce, the force of the last step."""
     text = case("bodyHeld(bodyDisk(0.4, 0.5, 0.15, 1)); bodyDisk(0.7, 0.7, 0.12, 3);",
         more="macro caseMotion(now) givenMotion(0, 0.02*bodyForce[0], 0.02*bodyForce[2], 0.); // EOM")
     (tmp_path / "scene.edp").write_text(text)
-    whole, broken = broken_off([tmp_path / "scene.edp", "-every", "0", "-tend", "0.1", "-forces", "1", "-checkpoint", "4"],
-        tmp_path, 8)
+    whole, broken = broken_off([tmp_path / "scene.edp", "-mesh", cell, "-every", "0", "-tend", "0.1", "-forces", "1", "-checkpoint",
+        "4"], tmp_path, 8)
     assert abs(numbers(whole, "forces.csv")["fx"]).max() > 1e-4
     for name in ("particles.csv", "forces.csv"):
         assert (broken / name).read_bytes() == (whole / name).read_bytes(), name
 
 
 @pytest.mark.parametrize("third", ["queueAt(0.4, 0.7, 0.1, 2, 0.15);", "queueEllipseAt(0.4, 0.7, 0.12, 0.08, 0.5, 2, 0.15);"])
-def test_loads_outlive_a_restart_where_bodies_come_and_go(third, tmp_path):
+def test_loads_outlive_a_restart_where_bodies_come_and_go(third, cell, tmp_path):
     """One of two has left before it, the other is lighter than the fluid, and a third, pushed as well, enters behind it."""
     bodies = f"bodyAdd(0.99, 0.3, 0.1, 2, 1.5, 0, 0, 1); bodyDisk(0.5, 0.3, 0.1, 0.5); {third}"
     pushes = "bodyPush(0, 1, 0, 0); bodyPush(1, 0, 1, 0); bodyPush(2, 0, 1, 0.01);"
     text = case(bodies, more=f"macro boundaryU() (4*y*(1 - y)) // EOM\nmacro caseLoads(now) {pushes} // EOM",
         walls="labelBottom, labelTop", moving="labelLeft", outlet="labelRight")
     (tmp_path / "scene.edp").write_text(text)
-    whole, broken = broken_off([tmp_path / "scene.edp", "-every", "0", "-cfl", "0", "-tend", "0.2", "-forces", "1", "-checkpoint",
-        "5"], tmp_path, 15)
+    whole, broken = broken_off([tmp_path / "scene.edp", "-mesh", cell, "-every", "0", "-cfl", "0", "-tend", "0.2", "-forces", "1",
+        "-checkpoint", "5"], tmp_path, 15)
     table = numbers(whole, "particles.csv")
     assert [set(table["id"][abs(table["t"] - t) < 1e-9]) for t in (0.01, 0.15, 0.2)] == [{0, 1}, {1}, {1, 2}]
     for name in ("particles.csv", "forces.csv"):
         assert (broken / name).read_bytes() == (whole / name).read_bytes(), name
 
 
-def test_bodies_leave_before_and_after_a_restart(tmp_path):
+def test_bodies_leave_before_and_after_a_restart(cell, tmp_path):
     """What the scheme keeps of each body is that of the bodies of then, not of the case's."""
     bodies = "bodyAdd(0.99, 0.3, 0.1, 2, 1.5, 0, 0, 1); bodyAdd(0.91, 0.7, 0.1, 2, 1.5, 0, 0, 1); bodyDisk(0.4, 0.5, 0.1, 0.5);"
     text = case(bodies, more="macro boundaryU() (4*y*(1 - y)) // EOM", walls="labelBottom, labelTop", moving="labelLeft",
         outlet="labelRight")
     (tmp_path / "scene.edp").write_text(text)
-    whole, broken = broken_off([tmp_path / "scene.edp", "-every", "0", "-cfl", "0", "-tend", "0.2", "-forces", "1", "-checkpoint",
-        "5"], tmp_path, 15)
+    whole, broken = broken_off([tmp_path / "scene.edp", "-mesh", cell, "-every", "0", "-cfl", "0", "-tend", "0.2", "-forces", "1",
+        "-checkpoint", "5"], tmp_path, 15)
     table = numbers(whole, "particles.csv")
     assert [set(table["id"][abs(table["t"] - t) < 1e-9]) for t in (0.01, 0.15, 0.2)] == [{0, 1, 2}, {1, 2}, {2}]
     for name in ("particles.csv", "forces.csv"):
         assert (broken / name).read_bytes() == (whole / name).read_bytes(), name
 
 
-def test_a_body_on_a_pin_goes_on_turning_after_a_restart(tmp_path):
+def test_a_body_on_a_pin_goes_on_turning_after_a_restart(cell, tmp_path):
     (tmp_path / "scene.edp").write_text(case("bodyPinned(bodyDisk(0.5, 0.5, 0.15, 2));", more="macro caseLoads(now) bodyPush(0, "
         "0, 0, 0.3); // EOM"))
-    whole, broken = broken_off([tmp_path / "scene.edp", "-every", "0", "-tend", "0.1", "-checkpoint", "4"], tmp_path, 8)
+    whole, broken = broken_off([tmp_path / "scene.edp", "-mesh", cell, "-every", "0", "-tend", "0.1", "-checkpoint", "4"], tmp_path,
+        8)
     assert abs(numbers(whole, "particles.csv")["omega"][-1]) > 0.01
     assert (broken / "particles.csv").read_bytes() == (whole / "particles.csv").read_bytes()
 
 
-def test_the_least_gap_since_the_last_row_outlives_a_restart(tmp_path):
+def test_the_least_gap_since_the_last_row_outlives_a_restart(cell, tmp_path):
     """A disk lands between two rows, before the checkpoint."""
     (tmp_path / "scene.edp").write_text(case("bodyAdd(0.5, 0.15, 0.1, 3, 0, 1, 0, 1);"))
-    whole, broken = broken_off([tmp_path / "scene.edp", "-every", "0.05", "-cfl", "0", "-dt", "0.01", "-tend", "0.2",
+    whole, broken = broken_off([tmp_path / "scene.edp", "-mesh", cell, "-every", "0.05", "-cfl", "0", "-dt", "0.01", "-tend", "0.2",
         "-checkpoint", "4"], tmp_path, 16)
     np.testing.assert_array_equal(numbers(broken, "fluid.csv")["worst_gap"], numbers(whole, "fluid.csv")["worst_gap"])
 
 
 @pytest.mark.parametrize("last, keep", [(0.0601, 6), (0.0601, 7)])
-def test_a_motion_that_ends_beside_a_checkpoint(last, keep, tmp_path):
+def test_a_motion_that_ends_beside_a_checkpoint(last, keep, cell, tmp_path):
     """Given until then, at a constant speed from there on, with a free disk beside it."""
     text = case("bodyHeld(bodyDisk(0.4, 0.5, 0.12, 1)); bodyDisk(0.7, 0.5, 0.1, 1.5);", more=f"macro caseMotion(now) if (now < "
         f"{last}) givenMotion(0, 20*(now), -10*(now), 0); // EOM")
     (tmp_path / "scene.edp").write_text(text)
-    whole, broken = broken_off([tmp_path / "scene.edp", "-every", "0", "-cfl", "0", "-dt", "0.01", "-tend", "0.12", "-forces", "1",
-        "-checkpoint", keep], tmp_path, keep)
+    whole, broken = broken_off([tmp_path / "scene.edp", "-mesh", cell, "-every", "0", "-cfl", "0", "-dt", "0.01", "-tend", "0.12",
+        "-forces", "1", "-checkpoint", keep], tmp_path, keep)
     for name in ("particles.csv", "forces.csv"):
         assert (broken / name).read_bytes() == (whole / name).read_bytes(), name
 
 
-def test_the_axes_of_who_enters_behind_a_checkpoint_stand_once_in_shapes(tmp_path):
+def test_the_axes_of_who_enters_behind_a_checkpoint_stand_once_in_shapes(cell, tmp_path):
     text = case("bodyEllipse(0.4, 0.3, 0.12, 0.08, 0.3, 2); queueEllipseAt(0.5, 0.7, 0.12, 0.08, 0.5, 2, 0.05);")
     (tmp_path / "scene.edp").write_text(text)
-    whole, broken = broken_off([tmp_path / "scene.edp", "-every", "0", "-cfl", "0", "-dt", "0.01", "-tend", "0.08", "-checkpoint",
-        "4"], tmp_path, 4)
+    whole, broken = broken_off([tmp_path / "scene.edp", "-mesh", cell, "-every", "0", "-cfl", "0", "-dt", "0.01", "-tend", "0.08",
+        "-checkpoint", "4"], tmp_path, 4)
     assert (broken / "shapes.csv").read_bytes() == (whole / "shapes.csv").read_bytes() and len(numbers(whole,
         "shapes.csv")["id"]) == 2
 
@@ -132,11 +133,11 @@ WHOLE_STATE = {
 
 
 @pytest.mark.parametrize("scene", WHOLE_STATE)
-def test_the_whole_state_outlives_a_restart(scene, tmp_path):
+def test_the_whole_state_outlives_a_restart(scene, cell, tmp_path):
     """All tables, and the last checkpoint: what is kept for later steps is in it, whether these tables show it or not."""
     text, words, keep = WHOLE_STATE[scene]
     (tmp_path / "scene.edp").write_text(text)
-    whole, broken = broken_off([tmp_path / "scene.edp", "-forces", "1", "-checkpoint", keep, *words], tmp_path, keep)
+    whole, broken = broken_off([tmp_path / "scene.edp", "-mesh", cell, "-forces", "1", "-checkpoint", keep, *words], tmp_path, keep)
     if scene == "open":
         for name, times in (("entries", [0, 0, 0, 0, 0.07, 0.16]), ("exits", [0.09, 0.14])):
             assert numbers(whole, f"{name}.csv")["t"] == pytest.approx(times, abs=0.011)

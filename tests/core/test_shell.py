@@ -93,19 +93,6 @@ DRIVERS = {
 }
 
 
-# What a driver does with its words, and no more.
-READING = """
-include "lib/case.idp"
-optCase("reading", "words of the command line");
-real dt = optPositive("-dt", 1, "s", "a number");
-string meshFile = optFile("-mesh", "meshes/settling_disk.mesh", "mesh file");
-outDeclare();
-optEnd();
-mesh Th = meshRead(meshFile);
-outBegin(meshFile);
-"""
-
-
 def assert_nothing_runs(script, words, tmp_path):
     """The script refuses these words, each list in a run of its own, and no command in them is run."""
     for given in words:
@@ -114,10 +101,9 @@ def assert_nothing_runs(script, words, tmp_path):
 
 
 @pytest.mark.parametrize("poison", POISON)
-def test_no_option_is_read_as_a_command(poison, tmp_path):
-    script, word = tmp_path / "reading.edp", poison.format(tmp_path / "pwned")
-    script.write_text(READING)
-    assert_nothing_runs([script], (["-dt", word], ["-mesh", word], ["-out", word], ["-" + word, "1"], [word]), tmp_path)
+def test_no_option_is_read_as_a_command(poison, reading, tmp_path):
+    word = poison.format(tmp_path / "pwned")
+    assert_nothing_runs([reading], (["-dt", word], ["-mesh", word], ["-out", word], ["-" + word, "1"], [word]), tmp_path)
 
 
 @pytest.mark.parametrize("driver", ["resolved", "contacts", "projection"])
