@@ -35,11 +35,11 @@ def test_bodies_one_behind_the_other_bear_the_forces_of_a_body_fitted_mesh(freef
     bodies = " ".join(f"bodyHeld(bodyEllipse({x}, {y}, {a}, {b}, {angle}, 1));" for x, y, a, b, angle in HELD)
     text = case("{ " + bodies + " }", walls="labelWall", moving="labelInlet", outlet="labelOutlet", mu=0.02, gravity=0, more=STREAM)
     mesh = f'savemesh(buildmesh(below(128) + out(32) + above(128) + into(32)), "{tmp_path}/plain.mesh");\n'
-    freefem_text(SIDES + mesh + text, "-mesh", tmp_path / "plain.mesh", "-dt", 0.04, "-every", 3, "-tend", 3, "-forces", 1, "-out",
+    freefem_text(SIDES + mesh + text, "-mesh", tmp_path / "plain.mesh", "-dt", 0.04, "-every", 2, "-tend", 2, "-forces", 1, "-out",
         tmp_path / "run")
     forces = RunFolder(tmp_path / "run").table("forces")
     for body in (0, 1):
-        last = (forces["id"] == body) & (forces["t"] > 2.9)
+        last = (forces["id"] == body) & (forces["t"] > 1.9)
         for part in ("fx", "fy"):
             assert forces[part][last] == pytest.approx(float(known[f"{part}{body}"]), abs=0.005 * float(known[f"fx{body}"]))
 
