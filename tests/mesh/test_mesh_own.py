@@ -3,11 +3,13 @@ import re
 import subprocess
 import sys
 import time
+from functools import lru_cache
 
 import numpy as np
 import pytest
 
 from tests.conftest import ROOT
+from tests.starter import Starter
 from tests.tables import read_medit
 from tools.base.run_folder import RunFolder
 from tools.meshing import unstructured
@@ -30,10 +32,33 @@ Physical Curve("lid") = {2}; // within the domain: no side of it
 """
 
 
+@lru_cache(maxsize=None)
+def starter():
+    return Starter(ROOT)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def the_starter_ends():
+    yield
+    if starter.cache_info().currsize:
+        starter().end()
+        starter.cache_clear()
+
+
 def command(*words):
     """python -m tools.mesh in a process of its own: gmsh keeps what a script has set."""
-    return subprocess.run([sys.executable, "-m", "tools.mesh", *map(str, words)], cwd=ROOT, capture_output=True, text=True,
-        timeout=120)
+    return starter().run(*words)
+
+
+def test_a_command_of_its_own_does_the_same(tmp_path):
+    (tmp_path / "my.geo").write_text(SCRIPT)
+    words = ["own", "--from", str(tmp_path / "my.geo"), "--size", "0.2", "--out"]
+    done = subprocess.run([sys.executable, "-m", "tools.mesh", *words, tmp_path / "a.mesh"], cwd=ROOT, capture_output=True,
+        text=True, timeout=120)
+    again = command(*words, tmp_path / "b.mesh")
+    assert done.returncode == again.returncode == 0 and done.stderr == again.stderr and done.stderr.startswith("warning: ")
+    assert done.stdout.replace("a.mesh", "b.mesh") == again.stdout
+    assert (tmp_path / "a.mesh").read_bytes() == (tmp_path / "b.mesh").read_bytes()
 
 
 def made(folder, text, *words, name="my.geo"):

@@ -4,6 +4,7 @@ A scene is a seed: a box, a funnel whose corner has 20 to 160 degrees, or a heap
 elements across, with 0.01 to 20 times the fluid's density, at rest, thrown, or spinning. Its budget is held to
 kinetic energy <= energy at the start + work, and with the dissipation to the same within the order of the scheme.
 """
+import math
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -70,9 +71,8 @@ def domain(kind, draw):
 
 def room(corners, x, y):
     """Distance of a point from the sides of a convex polygon, negative outside."""
-    a = np.array(corners, float)
-    along = np.roll(a, -1, 0) - a
-    return ((along[:, 0] * (y - a[:, 1]) - along[:, 1] * (x - a[:, 0])) / np.hypot(*along.T)).min()
+    return min(((c - a) * (y - b) - (d - b) * (x - a)) / math.hypot(c - a, d - b) for (a, b), (c, d) in zip(corners,
+        (*corners[1:], corners[0])))
 
 
 def placed(kind, corners, draw):
@@ -86,7 +86,7 @@ def placed(kind, corners, draw):
         best = None
         for _ in range(60):
             x, y = draw.uniform(low, high)
-            if room(corners, x, y) < 1.001 * r or any(np.hypot(x - p, y - q) < 1.001 * (r + s) for p, q, s in found):
+            if room(corners, x, y) < 1.001 * r or any(math.hypot(x - p, y - q) < 1.001 * (r + s) for p, q, s in found):
                 continue
             if best is None or (kind == "heap" and y < best[1]):
                 best = (x, y, r)
