@@ -69,10 +69,8 @@ class Case:
 
     def library_file(self, said):
         """The file of the project that a message speaks of, a path from the root."""
-        return next(
-            (path for path in sorted(self.reached) if said.file and Path(ROOT, said.file).resolve() == (ROOT / path).resolve()),
-            None,
-        )
+        place = Path(ROOT, said.file).resolve() if said.file else None
+        return next((path for path in sorted(self.reached) if ROOT / path == place), None)
 
     def library_words(self, said):
         """The words of the line of the project that a message speaks of."""

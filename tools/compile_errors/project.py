@@ -2,6 +2,7 @@
 
 import functools
 import re
+from collections import Counter
 
 from tools.base.command import ROOT
 from tools.compile_errors import lexer
@@ -171,10 +172,16 @@ def distance(first, second):
 
 def nearest(word, choices, share=0.34, preferred=()):
     """The choice that is nearest to a word, one of the preferred among equals; None where more than this share differs."""
+    letters, limit = Counter(word.lower()), max(1, share * len(word))
+
+    def letters_of_their_own(other):
+        """At most the distance, and found in a fraction of its time."""
+        return max(len(word), len(other)) - sum((letters & Counter(other.lower())).values())
+
     near = [
         (distance(word, other), other not in preferred, other)
         for other in choices
-        if other != word and abs(len(other) - len(word)) <= 3
+        if other != word and abs(len(other) - len(word)) <= 3 and letters_of_their_own(other) <= limit
     ]
     most, _, best = min(near, default=(99, True, None))
-    return best if most <= max(1, share * len(word)) else None
+    return best if most <= limit else None
