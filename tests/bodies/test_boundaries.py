@@ -279,14 +279,14 @@ def test_an_inflow_that_scales_nothing_is_warned_of_once(given, warnings, freefe
 
 
 @pytest.mark.parametrize("scheme", ["standard", "published"])
-def test_particles_that_never_had_room_to_enter_are_warned_of(scheme, freefem_text, tmp_path):
+def test_particles_that_never_had_room_to_enter_are_warned_of(scheme, freefem_text, cell, tmp_path):
     """Three at one place at once: the first enters and stays there, the others wait; another one is not due."""
     queue = "".join(f"queueAt(0.5, 0.5, 0.12, 1, {time});" for time in (0, 0.01, 0.02, 9))
     text = case(queue, gravity=0)
-    done = freefem_text(text, "-tend", 0.05, "-scheme", scheme, "-out", tmp_path / "run")
+    done = freefem_text(text, "-mesh", cell, "-tend", 0.05, "-scheme", scheme, "-out", tmp_path / "run")
     assert "warning: 2 of the waiting particles were due, but had no room to enter at the end; the first: at (0.5, 0.5), due at t = 0.01 s" in done.stdout, done.stdout
-    done = freefem_text(case("queueAt(0.5, 0.5, 0.12, 1, 0.); queueAt(0.5, 0.5, 0.12, 1, 9);", gravity=0), "-tend", 0.05,
-        "-scheme", scheme, "-out", tmp_path / "alone")
+    done = freefem_text(case("queueAt(0.5, 0.5, 0.12, 1, 0.); queueAt(0.5, 0.5, 0.12, 1, 9);", gravity=0), "-mesh", cell,
+        "-tend", 0.05, "-scheme", scheme, "-out", tmp_path / "alone")
     assert "had no room" not in done.stdout
 
 

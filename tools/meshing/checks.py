@@ -4,7 +4,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from tools.meshing.labels import NAMES
-from tools.meshing.plane_mesh import edges_of, signed_areas, smallest_angles
+from tools.meshing.plane_mesh import edges_of, keys_of, signed_areas, smallest_angles
 
 LEAST_ANGLE = 5.0  # degrees; below it a triangle counts as a sliver
 
@@ -48,8 +48,8 @@ def faults(mesh, outline, tolerance=1e-9):
 
 def pieces_of(triangles):
     """How many pieces the triangles (m, 3) make that share no side: no fluid passes through a common vertex."""
-    sides = np.sort(np.concatenate([triangles[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=1)
-    _, side = np.unique(sides, axis=0, return_inverse=True)
+    sides = np.concatenate([triangles[:, pair] for pair in ([0, 1], [1, 2], [2, 0])])
+    _, side = np.unique(keys_of(sides), return_inverse=True)
     triangle = np.tile(np.arange(len(triangles)), 3)
     order = np.argsort(side.ravel(), kind="stable")
     joined = np.flatnonzero(np.diff(side.ravel()[order]) == 0)

@@ -1,4 +1,5 @@
 """A plane triangle mesh with labelled boundary edges: orientation, labels, numbering."""
+import heapq
 from dataclasses import dataclass
 
 import numpy as np
@@ -57,8 +58,23 @@ def oriented(points, triangles):
 def edges_of(triangles):
     """The edges, (n, 2) with the direction of a triangle they bound, and in how many triangles each is."""
     edges = np.concatenate([triangles[:, pair] for pair in CORNERS])
-    _, first, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
+    _, first, count = np.unique(keys_of(edges), return_index=True, return_counts=True)
     return edges[first], count
+
+
+def keys_of(edges):
+    """A number for each edge (n, 2), whatever its direction; they are in order as the vertices of the edges, the smaller one
+    first."""
+    edges = np.asarray(edges, dtype=np.int64)
+    return edges.min(axis=1) * (edges.max(initial=0) + 1) + edges.max(axis=1)
+
+
+def on_two_sides(triangles):
+    """Numbers of the triangles that have two edges on the boundary and one that another triangle shares, in ascending order."""
+    edges = np.concatenate([triangles[:, pair] for pair in CORNERS])
+    _, inverse, count = np.unique(keys_of(edges), return_inverse=True, return_counts=True)
+    shared = count[inverse.reshape(-1)].reshape(3, -1) == 2
+    return np.flatnonzero(shared.sum(axis=0) == 1)
 
 
 def with_free_corners(points, triangles, least_angle=20.0):
@@ -69,32 +85,43 @@ def with_free_corners(points, triangles, least_angle=20.0):
     (degrees) by it, or below what it was.
     """
     triangles = triangles.copy()
-    owners = {}
-    for k, triangle in enumerate(triangles):
-        for i, j in CORNERS:
-            owners.setdefault(frozenset((triangle[i], triangle[j])), []).append(k)
-    for k in range(len(triangles)):
-        inner = [pair for pair in CORNERS if len(owners[frozenset(triangles[k][list(pair)])]) == 2]
+    ahead, before, owners = on_two_sides(triangles).tolist(), -1, {}  # a heap of those that may be turned
+    for pair in CORNERS:
+        for k, (i, j) in enumerate(triangles[:, pair].tolist()) if ahead else ():
+            owners.setdefault(edge(i, j), []).append(k)
+    while ahead:
+        k = heapq.heappop(ahead)
+        if k == before:
+            continue
+        before, own = k, triangles[k].tolist()
+        inner = [pair for pair in CORNERS if len(owners[edge(own[pair[0]], own[pair[1]])]) == 2]
         if len(inner) != 1:
             continue
-        i, j = triangles[k][list(inner[0])]
-        other = next(o for o in owners[frozenset((i, j))] if o != k)
-        tip = next(v for v in triangles[k] if v not in (i, j))
-        far = next(v for v in triangles[other] if v not in (i, j))
+        i, j = (own[corner] for corner in inner[0])
+        other = next(o for o in owners[edge(i, j)] if o != k)
+        tip = next(v for v in own if v not in (i, j))
+        far = next(v for v in triangles[other].tolist() if v not in (i, j))
         pair = np.array([[tip, i, far], [tip, far, j]])
         least = min(least_angle, smallest_angles(points, triangles[[k, other]]).min() - 1e-6)
         if np.any(signed_areas(points, pair) <= 0) or smallest_angles(points, pair).min() < least:
             continue
         triangles[k], triangles[other] = pair
-        owners[frozenset((tip, far))] = [k, other]
-        del owners[frozenset((i, j))]
-        swap(owners, (tip, j), k, other)
-        swap(owners, (i, far), other, k)
+        owners[edge(tip, far)] = [k, other]
+        del owners[edge(i, j)]
+        swap(owners, edge(tip, j), k, other)
+        swap(owners, edge(i, far), other, k)
+        if other > k:
+            heapq.heappush(ahead, other)  # it may have two edges on the boundary now
     return triangles
 
 
-def swap(owners, edge, old, new):
-    owners[frozenset(edge)] = [new if k == old else k for k in owners[frozenset(edge)]]
+def edge(i, j):
+    """An edge as a key."""
+    return (i, j) if i < j else (j, i)
+
+
+def swap(owners, at, old, new):
+    owners[at] = [new if k == old else k for k in owners[at]]
 
 
 def renumbered(points, triangles):
