@@ -36,7 +36,8 @@ def read(path, times, velocity):
         if (folder / "polyMesh" / "points").is_file() or (folder / "polyMesh" / "points.gz").is_file():
             raise BadInput(f"{folder} has points of its own: the mesh moves, which particles do not follow")
         values, sides = frame(folder, name, len(flow.polygons), {patch: owner[face] for patch, face in names.items()})
-        cells = {**{other: array for other, array in values.items() if other != name}, "velocity": values[name][:, axes]}
+        turned = values[name][:, [*axes, *({0, 1, 2} - set(axes))]]
+        cells = {**{other: array for other, array in values.items() if other != name}, "velocity": turned}
         flow.frames.append(named(cells, None, str(folder / name)))
         flow.on_sides.append({patch: named_side(given, name, axes, flow.frames[-1]) for patch, given in sides.items()})
         flow.times.append(time)

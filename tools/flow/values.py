@@ -16,7 +16,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.spatial import cKDTree
 
-LEAST = {1: 4, 2: 8}  # samples of a fit of degree 1, 2: with fewer, those beyond the nearest count too
+LEAST = {1: 4, 2: 8}  # samples of a linear fit, of a quadratic one: with fewer, those beyond the nearest count too
 BEYOND = 0.125  # of the range of the values around
 NEAREST = 8  # points of a cloud for a point outside it
 CHUNK = 100_000  # fits at once
@@ -35,29 +35,46 @@ def around(near, wider, least):
     return np.concatenate([near.row[keep], wider.row[more]]), np.concatenate([near.col[keep], wider.col[more]])
 
 
-def fitted(way, rows, values, count, degree, power):
-    """Coefficients (count, terms, columns) of polynomials fitted by least squares to samples.
+def summed(rows, weight, values, count):
+    """Sums of weight (n,) times values (n, columns) over the samples of each of `count` fits."""
+    return np.stack([np.bincount(rows, weight * column, count) for column in values.T], axis=1)
 
-    way (n, 2): from the centre of the fit to each sample; rows (n,): its fit; values (n, columns); degree 1: 1, x, y; 2: x, y, x^2, xy,
-    y^2, through 0 at the centre. power: weights 1/distance^power.
-    """
-    size = np.sqrt(np.bincount(rows, (way**2).sum(axis=1), count) / np.maximum(np.bincount(rows, minlength=count), 1))
-    size[size == 0] = 1
-    x, y = (way / size[rows][:, None]).T
-    weight = 1 / np.maximum(np.hypot(x, y), 1e-6) ** power
-    terms = np.stack([np.ones_like(x), x, y] if degree == 1 else [x, y, x * x, x * y, y * y], axis=1)
-    left = np.zeros((count, terms.shape[1], terms.shape[1]))
-    right = np.zeros((count, terms.shape[1], values.shape[1]))
-    for i in range(terms.shape[1]):
-        for j in range(i + 1):
-            left[:, i, j] = left[:, j, i] = np.bincount(rows, weight * terms[:, i] * terms[:, j], count)
-        for column in range(values.shape[1]):
-            right[:, i, column] = np.bincount(rows, weight * terms[:, i] * values[:, column], count)
-    found = np.concatenate([np.linalg.pinv(left[k:k + CHUNK], rcond=1e-10, hermitian=True) @ right[k:k + CHUNK]
+
+def slopes(terms, rows, weight, values, count):
+    """Coefficients (count, terms, columns), of least norm where they are not determined, of the terms (n, terms) that fit values (n,
+    columns) best."""
+    left, right = np.zeros((count, *2 * (terms.shape[1],))), np.zeros((count, terms.shape[1], values.shape[1]))
+    for i, term in enumerate(terms.T):
+        left[:, i] = summed(rows, weight * term, terms, count)
+        right[:, i] = summed(rows, weight * term, values, count)
+    return np.concatenate([np.linalg.pinv(left[k:k + CHUNK], rcond=1e-10, hermitian=True) @ right[k:k + CHUNK]
         for k in range(0, count, CHUNK)])
-    scale = [1 / size] * 2 if degree == 2 else [np.ones(count), 1 / size, 1 / size]
-    found[:, :len(scale)] *= np.stack(scale, axis=1)[:, :, None]
-    return found
+
+
+def sizes(way, rows, count):
+    """Root mean square distance of the samples of each fit, m."""
+    found = np.sqrt(np.bincount(rows, (way**2).sum(axis=1), count) / np.maximum(np.bincount(rows, minlength=count), 1))
+    return np.where(found > 0, found, 1)
+
+
+def linear_at(way, rows, values, count):
+    """Values (count, columns) at the centres of linear fits to samples (n, columns), at way (n, 2) from the centre of the fit of
+    each, rows (n,); weights 1/distance^2. Where the samples stand in a line it does not vary across it."""
+    way = way / sizes(way, rows, count)[rows][:, None]
+    weight = 1 / np.maximum((way**2).sum(axis=1), 1e-12)
+    total = np.bincount(rows, weight, count)[:, None]
+    middle, mean = summed(rows, weight, way, count) / total, summed(rows, weight, values, count) / total
+    found = slopes(way - middle[rows], rows, weight, values - mean[rows], count)
+    return mean - np.einsum("kic,ki->kc", found, middle)
+
+
+def gradients(way, rows, change, count):
+    """Gradients (count, 2, columns) at the centres of quadratics through 0 there, fitted to changes (n, columns); weights
+    1/distance."""
+    size = sizes(way, rows, count)
+    x, y = (way / size[rows][:, None]).T
+    terms = np.stack([x, y, x * x, x * y, y * y], axis=1)
+    return slopes(terms, rows, 1 / np.maximum(np.hypot(x, y), 1e-6), change, count)[:, :2] / size[:, None, None]
 
 
 def centres(points, polygons):
@@ -87,13 +104,12 @@ def at_vertices(flow, frame, given):
     row, column = around(near, wider.astype(bool), LEAST[1])
     names = list(frame)
     values = np.stack([frame[name] for name in names], axis=1)
-    found = fitted(at[column] - flow.points[row], row, values[column], n, 1, 2)[:, 0]
+    found = linear_at(at[column] - flow.points[row], row, values[column], n)
     found = {name: found[:, k] for k, name in enumerate(names)}
     for name in names:
-        on_boundary(flow, name, found[name], given)
-    for name in ("k", "epsilon"):
-        if name in found:
+        if name in ("k", "epsilon"):
             found[name] = np.maximum(found[name], frame[name].min())
+        on_boundary(flow, name, found[name], given)
     return found
 
 
@@ -141,9 +157,9 @@ class Middles:
         """(k, 2) of the velocity (n, 2)."""
         n, (a, b) = len(self.points), self.sides.T
         way = self.points[self.column] - self.points[self.row]
-        slopes = fitted(way, self.row, velocity[self.column] - velocity[self.row], n, 2, 1)[:, :2]
+        slope = gradients(way, self.row, velocity[self.column] - velocity[self.row], n)
         along = self.points[b] - self.points[a]
-        found = 0.5 * (velocity[a] + velocity[b]) + np.einsum("kic,ki->kc", slopes[a] - slopes[b], along) / 8
+        found = 0.5 * (velocity[a] + velocity[b]) + np.einsum("kic,ki->kc", slope[a] - slope[b], along) / 8
         neighbours = self.near.tocoo()
         for component in range(2):
             low, high = velocity[:, component].copy(), velocity[:, component].copy()
@@ -162,4 +178,4 @@ def nearest(cloud, values, points):
     distance, which = distance.reshape(-1, count), which.reshape(-1, count)
     rows = np.repeat(np.arange(len(points)), count)
     way = cloud[which.ravel()] - points[rows]
-    return fitted(way, rows, values[which.ravel()], len(points), 1, 2)[:, 0], distance[:, 0]
+    return linear_at(way, rows, values[which.ravel()], len(points)), distance[:, 0]
