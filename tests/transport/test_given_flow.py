@@ -56,8 +56,9 @@ caseCarrier
 def shown(freefem_text, flow, times, *words):
     """Rows (t, x, y, u, v, du/dx, dv/dy, du/dt, dv/dt, sigma, rate) of the samples at these times of the run."""
     x, y = (", ".join(map(str, one)) for one in SAMPLES)
-    text = (ROOT / SCRIPT).read_text().replace('include "scripts/transport.edp"', (ROOT / "scripts/transport.edp").read_text().replace(
-        "\ncaseCarrier\n", SHOW.format(x=x, y=y, times=", ".join(f"{float(time)}" for time in times)), 1))
+    driver = (ROOT / "scripts/transport.edp").read_text()
+    show = SHOW.format(x=x, y=y, times=", ".join(f"{float(time)}" for time in times))
+    text = (ROOT / SCRIPT).read_text().replace('include "scripts/transport.edp"', driver.replace("\ncaseCarrier\n", show, 1))
     done = freefem_text(text, "-flow", flow, "-turbulence", "fluctuation", *words)
     return np.array([line.split() for line in re.findall(r"^at (.*)", done.stdout, re.M)], float)
 
@@ -135,8 +136,8 @@ def test_spheres_in_openfoams_flow_go_as_in_our_own(freefem, tmp_path):
     """Heights and times at which they pass places in the pipe, from 10 cells in the radius; the differences fall with these (python
     -m tools.peers.openfoam_paths)."""
     own = read_table(ROOT / "tests/reference/pipe_passages.csv")
-    freefem(SCRIPT, "-flow", ROOT / "meshes/openfoam_pipe", "-rhof", 998.2, "-mu", 3.9928, "-density", 2495.5, "-radius", 0.001, "-start-x",
-        0.02, "-low", -0.08, "-high", 0.07, "-number", 8, "-dt", 0.002, "-tend", 2, "-out", tmp_path / "run")
+    freefem(SCRIPT, "-flow", ROOT / "meshes/openfoam_pipe", "-rhof", 998.2, "-mu", 3.9928, "-density", 2495.5, "-radius", 0.001,
+        "-start-x", 0.02, "-low", -0.08, "-high", 0.07, "-number", 8, "-dt", 0.002, "-tend", 2, "-out", tmp_path / "run")
     found = passages(read_table(tmp_path / "run/particles.csv"))
     height, time = zip(*(found[place, name] for place, name in zip(own["x"], own["id"])))
     assert np.abs(height - own["y"]).max() < 0.06 * 0.1 and np.abs(time / own["t"] - 1).max() < 0.08

@@ -35,8 +35,8 @@ def mesh_from(path):
 
 
 def read(files, velocity, mesh, scale):
-    """The Given, with values at the vertices of a PlaneMesh, of [(time, file)]; scale: metres in a unit of the tables' places. Raises
-    BadInput."""
+    """The Given, with values at the vertices of a PlaneMesh, of [(time, file)]; scale: metres in a unit of the tables' places.
+    Raises BadInput."""
     flow, names = Given(mesh.points, list(mesh.triangles), [], [], False), None
     warned = False
     for time, file in files:
@@ -61,7 +61,8 @@ def read(files, velocity, mesh, scale):
         outside = np.isnan(found[:, 0])
         if outside.any():
             found[outside], away = nearest(points, values, mesh.points[outside])
-            where = f"{outside.sum()} of {len(outside)} vertices of the mesh lie outside the points of {file}, up to {away.max():.3g} m"
+            where = f"{outside.sum()} of {len(outside)} vertices of the mesh lie outside the points of {file}, up to " \
+                f"{away.max():.3g} m"
             if outside.mean() > OUTSIDE_MOST:
                 raise BadInput(f"{where}: the points do not cover the mesh; are both in the same unit (--scale)?")
             if not warned:

@@ -22,10 +22,10 @@ THIRD_MOST = 1e-3  # third component of the velocity over the largest of the oth
 class Given:
     """A plane flow as read.
 
-    points: (n, 2), m; polygons: the cells, a list of arrays of corners (any sense of rotation); times: s; frames: of each time a dict
-    of arrays, u and v (m/s), and k (m2/s2), epsilon (m2/s3) where both are there, of length n (at points) or of the number of cells
-    (in_cells). sides: {name of a patch: (k, 2) corners of its edges}; kinds: {name: "wall", "symmetry" or ""}; on_sides: of each
-    time {name: {array: values at the middles of its edges}}, for the patches where they are given.
+    points: (n, 2), m; polygons: the cells, a list of arrays of corners (any sense of rotation); times: s; frames: of each time a
+    dict of arrays, u and v (m/s), and k (m2/s2), epsilon (m2/s3) where both are there, of length n (at points) or of the number of
+    cells (in_cells). sides: {name of a patch: (k, 2) corners of its edges}; kinds: {name: "wall", "symmetry" or ""}; on_sides: of
+    each time {name: {array: values at the middles of its edges}}, for the patches where they are given.
     """
     points: np.ndarray
     polygons: list
@@ -59,8 +59,8 @@ def named(arrays, wanted, source):
     elif pair:
         u, v = low[pair[0]], low[pair[1]]
     else:
-        raise BadInput(f"{source} has no velocities (as U, velocity, or u and v; --velocity NAME or --velocity U,V names others); its "
-            f"arrays: {there}")
+        raise BadInput(f"{source} has no velocities (as U, velocity, or u and v; --velocity NAME or --velocity U,V names "
+            f"others); its arrays: {there}")
     found = {"u": u, "v": v}
     turbulent = {name: next((low[other] for other in others if other in low and low[other].ndim == 1), None)
         for name, others in SCALARS.items()}
@@ -71,8 +71,8 @@ def named(arrays, wanted, source):
             for name in ("k", "epsilon")}
     require_finite(found, source)
     if third is not None and np.abs(third).max(initial=0) > THIRD_MOST * max(np.abs(u).max(), np.abs(v).max()):
-        raise BadInput(f"{source}: the flow is 3-D, its third component reaches {np.abs(third).max():.3g} m/s; only plane flows are "
-            f"taken")
+        raise BadInput(f"{source}: the flow is 3-D, its third component reaches {np.abs(third).max():.3g} m/s; only plane flows "
+            f"are taken")
     return found
 
 

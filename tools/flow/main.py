@@ -46,9 +46,10 @@ def parser():
     found.add_argument("files", metavar="FILE", nargs="+", help="the flow")
     found.add_argument("--out", metavar="FOLDER", required=True, help="folder to make; a flow that it holds is replaced")
     found.add_argument("--label", metavar="NAME=WHAT", action="append", default=[], help="names a part of the boundary (see above)")
-    found.add_argument("--times", metavar="LIST", help="of a case or .pvd: last (default), all, or FROM:TO; of several files: their "
-        "times, as 0,0.1,0.2 (s)")
-    found.add_argument("--mesh", metavar="FILE", help="for .csv: the mesh to interpolate on, .mesh or gmsh's .msh with named curves")
+    found.add_argument("--times", metavar="LIST", help="of a case or .pvd: last (default), all, or FROM:TO; of several files: "
+        "their times, as 0,0.1,0.2 (s)")
+    found.add_argument("--mesh", metavar="FILE", help="for .csv: the mesh to interpolate on, .mesh or gmsh's .msh with named "
+        "curves")
     found.add_argument("--velocity", metavar="NAME", help="array of the velocity, or those of its components as U,V (default: U, "
         "velocity, u and v, x-velocity and y-velocity ...)")
     found.add_argument("--values", choices=["points", "cells"], help="of a .vtu that has both: which are taken (default points)")
@@ -124,8 +125,9 @@ def main(words=None):
     into, out = fluxes(mesh, nodes[-1])
     span = f"steady (t = {flow.times[0]:g} s)" if len(frames) == 1 else f"{len(frames)} times from {flow.times[0]:g} to " \
         f"{flow.times[-1]:g} s"
-    print(f"{options.out}: {summary(mesh)}\n{span}, largest speed {speed:.4g} m/s, {'with' if 'k' in frames[0] else 'no'} k and epsilon; "
-        f"values {'of the cells, fitted' if flow.in_cells else 'as given'} at the vertices\nflux in {into:.5g}, out {out:.5g} m2/s")
+    print(f"{options.out}: {summary(mesh)}\n{span}, largest speed {speed:.4g} m/s, {'with' if 'k' in frames[0] else 'no'} k and "
+        f"epsilon; values {'of the cells, fitted' if flow.in_cells else 'as given'} at the vertices\n"
+        f"flux in {into:.5g}, out {out:.5g} m2/s")
     if abs(into - out) > UNBALANCED * max(into, out):
         print(f"warning: {into:.4g} m2/s flow in, {out:.4g} out; are fields and mesh of one flow, and the fluid incompressible?",
             file=sys.stderr)

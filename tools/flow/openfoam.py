@@ -105,7 +105,7 @@ def plane(base, case):
     patches = patches_of(base)
     if any(kind == "wedge" for kind, _ in patches.values()):
         raise BadInput(f"{case} is a wedge, of an axisymmetric flow; only plane flows are taken")
-    sheets = np.concatenate([np.arange(run.start, run.stop) for kind, run in patches.values() if kind == "empty"] or [[]]).astype(int)
+    sheets = np.array([face for kind, run in patches.values() if kind == "empty" for face in run], int)
     cells = owner.max() + 1
     if not len(sheets):
         raise BadInput(f"{case} is a 3-D flow: its mesh has no patches of type empty; only plane flows are taken")
@@ -117,7 +117,8 @@ def plane(base, case):
     for face in sheet:
         polygons[owner[face]] = faces[face]
     size = np.ptp(points, axis=0).max()
-    if any(one is None for one in polygons) or len(sheet) != cells or np.ptp(points[np.concatenate(polygons), across]) > 1e-6 * size:
+    if (any(one is None for one in polygons) or len(sheet) != cells
+            or np.ptp(points[np.concatenate(polygons), across]) > 1e-6 * size):
         raise BadInput(f"{case} is not one cell deep between its empty patches, in a plane across x, y or z")
     used = np.unique(np.concatenate(polygons))
     number = np.full(len(points), -1)

@@ -69,8 +69,8 @@ def inside(corners, point):
 
 
 def rules(words):
-    """[(label, what)] of the options --label NAME=WHAT; what: a name of a patch, "rest", or a list of conditions (axis 0 or 1, sign,
-    value). Raises BadInput."""
+    """[(label, what)] of the options --label NAME=WHAT; what: a name of a patch, "rest", or a list of conditions (axis 0 or 1,
+    sign, value). Raises BadInput."""
     found = []
     for word in words:
         name, equals, what = word.partition("=")
@@ -122,9 +122,9 @@ def labelled(points, edges, sides, kinds, given, source):
     if (labels == 0).any():
         k = np.flatnonzero(labels == 0)[0]
         a, b = points[edges[k]]
-        raise BadInput(f"{np.sum(labels == 0)} sides of {source} have no name" + (f", those of the patch {names[k]}" if names[k] else "")
-            + f", the first from ({a[0]:g}, {a[1]:g}) to ({b[0]:g}, {b[1]:g}) m: give one, as --label inlet=x<1e-6 --label "
-            + f"outlet=x>0.999 --label wall={REST}" + (f", or --label wall={names[k]}" if names[k] else ""))
+        patch = f", those of the patch {names[k]}" if names[k] else ""
+        raise BadInput(f"{np.sum(labels == 0)} sides of {source} have no name{patch}, the first from ({a[0]:g}, {a[1]:g}) to ({b[0]:g}, "
+            f"{b[1]:g}) m: give one, as --label inlet=x<1e-6 --label outlet=x>0.999 --label wall={REST}" + (f", or --label wall={names[k]}" if names[k] else ""))
     return labels
 
 

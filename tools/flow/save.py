@@ -38,12 +38,12 @@ def write(folder, mesh, times, frames):
         between = middles(np.stack([frame["u"], frame["v"]], axis=1))
         full = {"u": np.append(frame["u"], between[:, 0]), "v": np.append(frame["v"], between[:, 1])}
         full |= {name: np.append(frame[name], 0.5 * (frame[name][a] + frame[name][b])) for name in frame if name not in full}
-        text = "".join(f"{name}\n{len(values)}\n" + "\n".join(f"{value:.8g}" for value in values) + "\n" for name, values in full.items())
-        write_text(folder / f"frame_{number:05d}.txt", text + "whole\n")
+        lines = [line for name, values in full.items() for line in (name, str(len(values)), *(f"{value:.8g}" for value in values))]
+        write_text(folder / f"frame_{number:05d}.txt", "\n".join([*lines, "whole\n"]))
         nodes.append(full)
     digest = hashlib.sha256((folder / "mesh.mesh").read_bytes()).hexdigest()[:16]
-    shown = "\n".join(f"{time:.15g}" for time in times)
-    write_text(folder / "flow.txt", f"{MARK}\nmesh {digest}\nturbulence {int('k' in frames[0])}\ntimes {len(times)}\n{shown}\nwhole\n")
+    head = [MARK, f"mesh {digest}", f"turbulence {int('k' in frames[0])}", f"times {len(times)}"]
+    write_text(folder / "flow.txt", "\n".join([*head, *(f"{time:.15g}" for time in times), "whole\n"]))
     return nodes
 
 

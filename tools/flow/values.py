@@ -8,9 +8,9 @@ From vertices to the middles: with the gradients g of a quadratic fitted around 
 
     u(middle) = (u_a + u_b)/2 + (g_a - g_b).(x_b - x_a)/8,
 
-exact for quadratics: third order in the velocity, second in its gradient, where the values at the vertices are that good. It is kept
-within the values around by an eighth of their range, so that layers which the mesh does not resolve make no oscillations; between
-two vertices at rest on the boundary it is 0. Quantities that must not be negative (k, epsilon) take the mean.
+exact for quadratics: third order in the velocity, second in its gradient, where the values at the vertices are that good. It is
+kept within the values around by an eighth of their range, so that layers which the mesh does not resolve make no oscillations;
+between two vertices at rest on the boundary it is 0. Quantities that must not be negative (k, epsilon) take the mean.
 """
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -28,7 +28,7 @@ def pairs_of(rows, columns, shape):
 
 
 def around(near, wider, least):
-    """(rows, columns) of the samples of each row: those of `near`, where these are fewer than least those of `wider`. Both sparse."""
+    """(rows, columns) of the samples of each row: those of `near`, where these are fewer than least those of `wider` (sparse)."""
     few = np.diff(near.indptr) < least
     near, wider = near.tocoo(), wider.tocoo()
     keep, more = ~few[near.row], few[wider.row]
@@ -41,8 +41,8 @@ def summed(rows, weight, values, count):
 
 
 def slopes(terms, rows, weight, values, count):
-    """Coefficients (count, terms, columns), of least norm where they are not determined, of the terms (n, terms) that fit values (n,
-    columns) best."""
+    """Coefficients (count, terms, columns), of least norm where they are not determined, of the terms (n, terms) that fit values
+    (n, columns) best."""
     left, right = np.zeros((count, *2 * (terms.shape[1],))), np.zeros((count, terms.shape[1], values.shape[1]))
     for i, term in enumerate(terms.T):
         left[:, i] = summed(rows, weight * term, terms, count)

@@ -117,8 +117,8 @@ def sliced(points, blocks, file):
     levels = [np.unique(np.round(points[used, axis] / (FLAT * size))) for axis in range(3)]
     across = next((axis for axis in (2, 1, 0) if len(levels[axis]) == 2), None)
     if across is None:
-        raise BadInput(f"{file} is a 3-D flow: its cells are not one cell deep across x, y or z; write a slice of it (in ParaView the "
-            f"filter Slice)")
+        raise BadInput(f"{file} is a 3-D flow: its cells are not one cell deep across x, y or z; write a slice of it (in ParaView "
+            f"the filter Slice)")
     low = points[:, across] < 0.5 * (points[used, across].min() + points[used, across].max())
     polygons, kept, before = [], [], 0
     for block in blocks:

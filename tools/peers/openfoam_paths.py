@@ -10,8 +10,8 @@ particles, and spheres of 2 mm, 2.5 times as dense as the fluid, start side by s
 through the flow of cases/pipe_flow.edp on the mesh of cases/pipe_transport.edp. Prints for each mesh a CSV row: the
 largest difference of the heights at which they pass some places, over the radius, and of the times when they do, over
 these times. --case makes instead, by icoFoam in FOLDER, the flow from rest until it is steady and a pulsating one after
-that, and keeps of it what python -m tools.flow reads: tests/data/openfoam_pipe was made so. --own writes the heights and times in the suite's own flow
-alone, which needs no OpenFOAM. About a minute.
+that, and keeps of it what python -m tools.flow reads: tests/data/openfoam_pipe was made so. --own writes
+the heights and times in the suite's own flow alone, which needs no OpenFOAM. About a minute; --case takes two.
 """
 import contextlib
 import gzip
@@ -57,14 +57,17 @@ writeFormat ascii; writePrecision {digits}; writeCompression on; timeFormat gene
 
 
 def solve(cells, folder, steady):
-    """Runs simpleFoam (steady) or icoFoam (from rest, and pulsating) in the folder, with `cells` cells in the radius. Raises BadInput."""
+    """Runs simpleFoam (steady) or icoFoam (from rest, and pulsating) in the folder, with `cells` cells in the radius. Raises
+    BadInput."""
     flow = Pipe()
     mesh, program = flow.mesh(cells), "simpleFoam" if steady else "icoFoam"
     mesh.write(folder / "constant" / "polyMesh", 0.1 * flow.scale)
     y = mesh.along("inlet")[1][:, 1]
     nu = flow.speed * flow.scale / REYNOLDS
-    control = CONTROL.format(digits=7 if steady else 5, end=3000 if steady else TIMES[-1], step=1 if steady else 0.005 / cells, writing="writeControl timeStep; "
-        "writeInterval 3000;" if steady else "writeControl runTime; writeInterval 0.05;")
+    if steady:
+        control = CONTROL.format(digits=7, end=3000, step=1, writing="writeControl timeStep; writeInterval 3000;")
+    else:
+        control = CONTROL.format(digits=5, end=TIMES[-1], step=0.005 / cells, writing="writeControl runTime; writeInterval 0.05;")
     files = {"constant/transportProperties": f"transportModel Newtonian; nu [0 2 -1 0 0 0 0] {nu:g};",
              "constant/turbulenceProperties": "simulationType laminar;", "system/controlDict": f"application {program}; {control}",
              "system/fvSchemes": SCHEMES.format(time="steadyState" if steady else "backward", bounded="bounded" if steady else ""),
@@ -81,8 +84,9 @@ def solve(cells, folder, steady):
             factor = 1 + SWING * np.sin(2 * np.pi * (time - BEGIN) / PERIOD) if time >= BEGIN else 1
             (given / f"{time:.12g}" / "U").write_text(listed(np.column_stack([factor * flow.inlet(y), 0 * y, 0 * y])) + "\n")
         (given / "points").write_text(listed(np.column_stack([0 * y, y, 0 * y + 0.05 * flow.scale])) + "\n")
-    for name, size, kinds in (("U", "0 1 -1", (inflow, "zeroGradient",
-            "noSlip", "uniform (0 0 0)")), ("p", "0 2 -2", ("zeroGradient", "fixedValue; value uniform 0", "zeroGradient", "uniform 0"))):
+    fields = {"U": ("0 1 -1", (inflow, "zeroGradient", "noSlip", "uniform (0 0 0)")),
+              "p": ("0 2 -2", ("zeroGradient", "fixedValue; value uniform 0", "zeroGradient", "uniform 0"))}
+    for name, (size, kinds) in fields.items():
         patches = " ".join(f"{patch} {{ type {kind}; }}" for patch, kind in zip(("inlet", "outlet", "wall"), kinds))
         dictionary(folder / "0" / name, "volVectorField" if name == "U" else "volScalarField", f"dimensions [{size} 0 0 0 0];\n"
             f"internalField {kinds[3]};\nboundaryField {{ {patches} sides {{ type empty; }} }}")
@@ -134,13 +138,16 @@ def main():
     parser = Parser(prog="python -m tools.peers.openfoam_paths", description=__doc__)
     parser.add_argument("cells", metavar="CELLS", type=int, nargs="*", help="cells in the radius, even (default 10 20 40)")
     parser.add_argument("--keep", metavar="FOLDER", type=Path, help="keep OpenFOAM's files there")
-    parser.add_argument("--own", metavar="FILE", type=Path, help="write the heights and times in the suite's own flow to a CSV file")
+    parser.add_argument("--mesh", metavar="FILE", type=Path, help="compare instead the suite's own flow on this mesh (python -m "
+        "tools.mesh pipe_transport)")
+    parser.add_argument("--own", metavar="FILE", type=Path, help="write the heights and times in the suite's own flow to a "
+        "CSV file")
     parser.add_argument("--case", metavar="FOLDER", type=Path, help="make the start of the flow instead, in this new folder")
     given = parser.parse_args()
     cells = given.cells or [10, 20, 40]
     if min(cells) < 4 or any(n % 2 for n in cells) or given.case and len(cells) > 1:
         raise BadInput("CELLS are even numbers from 4 on; one of them for --case")
-    if not shutil.which("simpleFoam") and not given.own:
+    if not shutil.which("simpleFoam") and not (given.own or given.mesh):
         raise BadInput("simpleFoam is not there; Debian's package openfoam has it")
     if given.case and given.case.exists():
         raise BadInput(f"{given.case} is there already; name another folder")
@@ -155,16 +162,20 @@ def main():
         target = spheres(own, Path(scratch) / "own")
         if given.own:
             write_table(given.own, ["x", "id", "y", "t"], [(*key, *target[key]) for key in sorted(target)], [
-                "Heights y (m) and times t (s) at which spheres pass x in the suite's own flow: python -m tools.peers.openfoam_paths --own"])
+                "Heights y (m) and times t (s) at which spheres pass x in the suite's own flow: python -m "
+                "tools.peers.openfoam_paths --own"])
             return 0
-        for n in cells:
-            solve(n, base / f"pipe_{n}", steady=True)
-            with contextlib.redirect_stdout(io.StringIO()):
-                convert([str(base / f"pipe_{n}"), "--out", str(base / f"flow_{n}")])
-            found = spheres(SCRIPT, Path(scratch) / f"run_{n}", **{"-flow": base / f"flow_{n}"})
+        for n in [str(given.mesh)] if given.mesh else cells:
+            if given.mesh:
+                found = spheres(own, Path(scratch) / "mesh", **{"-mesh": given.mesh})
+            else:
+                solve(n, base / f"pipe_{n}", steady=True)
+                with contextlib.redirect_stdout(io.StringIO()):
+                    convert([str(base / f"pipe_{n}"), "--out", str(base / f"flow_{n}")])
+                found = spheres(SCRIPT, Path(scratch) / f"run_{n}", **{"-flow": base / f"flow_{n}"})
             height, time = np.abs([np.subtract(found[key], target[key]) / (0.5 * Pipe.scale, target[key][1]) for key in target
                 if key in found]).max(axis=0)
-            if n == cells[0]:
+            if n in (cells[0], str(given.mesh)):
                 print("cells,passages,of,height_difference,time_difference")
             print(f"{n},{len(set(found) & set(target))},{len(target)},{height:.4g},{time:.4g}", flush=True)
     return 0

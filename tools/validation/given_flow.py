@@ -60,8 +60,8 @@ def astray(particles, swell=0.0):
 
 
 def given_flow(context):
-    """Tracers in a vortex from files: refined in space, from values at points and in cells, and in time. (Coarse ones need to be within
-    a cell, or a twentieth of the square.)"""
+    """Tracers in a vortex from files: refined in space, from values at points and in cells, and in time. (Coarse ones need to be
+    within a cell, or a twentieth of the square.)"""
     folder = context.out / "flows"
     folder.mkdir(parents=True, exist_ok=True)
     options = {"-tend": END, "-dt": 0.0025, "-every": 0.1}
@@ -72,8 +72,8 @@ def given_flow(context):
             run = context.run(SCRIPT, {"-flow": made(folder, f"{where}_{cells}", [file]), **options}, f"given_{where}_{cells}")
             errors.append(astray(run.folder.particles))
             yield context.row(f"vortex of {cells} x {cells} {kind}s, values {'at' if where == 'points' else 'in'} {where}: "
-                "distance of tracers to their paths (m)", "order 8 integrator", 0, errors[-1], at_most=most if cells == 32 else 1 / cells,
-                cpu_s=run.cpu_s)
+                "distance of tracers to their paths (m)", "order 8 integrator", 0, errors[-1],
+                at_most=most if cells == 32 else 1 / cells, cpu_s=run.cpu_s)
         yield context.row(f"the same: order of the last refinement, values {'at' if where == 'points' else 'in'} {where}",
             "of the interpolation", math.nan, math.log2(errors[-2] / errors[-1]), at_least=least)
     errors = []
