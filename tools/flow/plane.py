@@ -122,9 +122,9 @@ def labelled(points, edges, sides, kinds, given, source):
     if (labels == 0).any():
         k = np.flatnonzero(labels == 0)[0]
         a, b = points[edges[k]]
-        patch = f", those of the patch {names[k]}" if names[k] else ""
-        raise BadInput(f"{np.sum(labels == 0)} sides of {source} have no name{patch}, the first from ({a[0]:g}, {a[1]:g}) to ({b[0]:g}, "
-            f"{b[1]:g}) m: give one, as --label inlet=x<1e-6 --label outlet=x>0.999 --label wall={REST}" + (f", or --label wall={names[k]}" if names[k] else ""))
+        patch, remedy = (f", those of the patch {names[k]}", f", or --label wall={names[k]}") if names[k] else ("", "")
+        raise BadInput(f"{np.sum(labels == 0)} sides of {source} have no name{patch}, the first from ({a[0]:g}, {a[1]:g}) to "
+            f"({b[0]:g}, {b[1]:g}) m: give one, as --label inlet=x<1e-6 --label outlet=x>0.999 --label wall={REST}{remedy}")
     return labels
 
 
