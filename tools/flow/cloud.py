@@ -13,7 +13,7 @@ from scipy.spatial import Delaunay, QhullError
 from tools.base.command import BadInput
 from tools.base.mesh_files import read_mesh
 from tools.base.tables import read_table
-from tools.flow.given import PLACE, Given, named
+from tools.flow.given import PLACE, Given, named, plain
 from tools.flow.values import nearest
 from tools.meshing import own
 from tools.meshing.plane_mesh import PlaneMesh, oriented
@@ -43,12 +43,12 @@ def read(files, velocity, mesh, scale):
         if not Path(file).is_file():
             raise BadInput(f"cannot read the flow {file}: it is not there")
         table = read_table(file, finite=True)
-        low = {name.lower(): values for name, values in table.items()}
+        low = {plain(name): values for name, values in table.items()}
         places = next((pair for pair in PLACE if set(pair) <= set(low)), None)
         if not places:
             raise BadInput(f"{file} lacks the columns x and y; it has {', '.join(table)}")
         points = scale * np.column_stack([low[name] for name in places])
-        rest = {name: values for name, values in table.items() if name.lower() not in places}
+        rest = {name: values for name, values in table.items() if plain(name) not in places}
         frame = named(rest, velocity, str(file))
         names = names or list(frame)
         if list(frame) != names:

@@ -1,19 +1,20 @@
 """What the readers of a flow return, and which of a file's arrays is what."""
+import re
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from tools.base.command import BadInput
 
-# Names of arrays and columns, in lower case: of OpenFOAM, Fluent, ParaView and this project.
-PLACE = ("x", "y"), ("x-coordinate", "y-coordinate"), ("points:0", "points:1"), ("points_0", "points_1"), ("x [m]", "y [m]")
-VECTORS = "u", "velocity", "vel", "velocity [m s^-1]"
+# Names of arrays and columns, in lower case and without units in brackets: of OpenFOAM, Fluent, ParaView and this project.
+PLACE = ("x", "y"), ("x-coordinate", "y-coordinate"), ("points:0", "points:1"), ("points_0", "points_1")
+VECTORS = "u", "velocity", "vel"
 PAIRS = (("u", "v"), ("x-velocity", "y-velocity"), ("x_velocity", "y_velocity"), ("u:0", "u:1"), ("u_0", "u_1"), ("velocity:0",
-    "velocity:1"), ("velocity_0", "velocity_1"), ("ux", "uy"), ("vx", "vy"), ("velocity u [m s^-1]", "velocity v [m s^-1]"))
-THIRD = "w", "z-velocity", "z_velocity", "u:2", "u_2", "velocity:2", "velocity_2", "uz", "vz", "velocity w [m s^-1]"
-SCALARS = {"k": ("k", "turb-kinetic-energy", "turb_kinetic_energy", "turbulent_kinetic_energy", "tke"),
-           "epsilon": ("epsilon", "turb-diss-rate", "turb_diss_rate", "turbulent_dissipation_rate"),
-           "omega": ("omega", "specific-diss-rate", "specific_diss_rate")}
+    "velocity:1"), ("velocity_0", "velocity_1"), ("ux", "uy"), ("vx", "vy"), ("velocity u", "velocity v"))
+THIRD = "w", "z-velocity", "z_velocity", "u:2", "u_2", "velocity:2", "velocity_2", "uz", "vz", "velocity w"
+SCALARS = {"k": ("k", "turb-kinetic-energy", "turb_kinetic_energy", "turbulent_kinetic_energy", "turbulence kinetic energy", "tke"),
+           "epsilon": ("epsilon", "turb-diss-rate", "turb_diss_rate", "turbulent_dissipation_rate", "turbulence eddy dissipation"),
+           "omega": ("omega", "specific-diss-rate", "specific_diss_rate", "turbulence eddy frequency")}
 CMU = 0.09  # epsilon = CMU k omega
 THIRD_MOST = 1e-3  # third component of the velocity over the largest of the others: above it a flow is not plane
 
@@ -37,15 +38,20 @@ class Given:
     on_sides: list = field(default_factory=list)
 
 
+def plain(name):
+    """The name of an array as in the lists above."""
+    return re.sub(r"\s*\[[^]]*\]\s*$", "", name.lower())
+
+
 def named(arrays, wanted, source):
     """{"u", "v"[, "k", "epsilon"]: values} of the arrays {name: (n,) or (n, components)} of a file.
 
     wanted: None, the name of a vector, or those of two components with a comma. Raises BadInput without velocities, for values that
     are not finite and for a flow that is not plane.
     """
-    low = {name.lower(): np.asarray(values, float) for name, values in arrays.items()}
+    low = {plain(name): np.asarray(values, float) for name, values in arrays.items()}
     there = ", ".join(arrays) or "none"
-    names = [name.strip().lower() for name in wanted.split(",")] if wanted else []
+    names = [plain(name.strip()) for name in wanted.split(",")] if wanted else []
     missing = [name for name in names if name not in low]
     if missing or len(names) > 2:
         raise BadInput(f"{source} has no velocity '{wanted}'; its arrays: {there}")
