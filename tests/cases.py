@@ -19,6 +19,7 @@ CASES = {
     "pipe_obstacles": ["-tend", "0.01"],
     "pipe_jet": ["-tend", "0.01"],
     "pipe_transport": ["-tend", "0.02", "-model", "laminar", "-reynolds", "50"],
+    "given_flow": ["-tend", "0.05"],
     "pipe_flow": ["-model", "laminar", "-reynolds", "20", "-coarse", "6"],
     "turbulent_channel": ["-cells", "12"],
     "turbulent_step": ["-size", "0.25", "-inlet", "5", "-outlet", "12", "-tolerance", "0.1"],

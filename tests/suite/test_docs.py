@@ -8,7 +8,7 @@ from tools.docs import headers, options, tables
 from tools.docs.__main__ import made_pages, stale_pages
 
 PAGES = sorted(str(path.relative_to(ROOT)) for path in [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
-WRITTEN = ("my_case.edp", "junction.edp", "vortices.edp", "vortices_mesh.edp", "cases/my_case.edp")  # by the reader
+WRITTEN = ("my_case.edp", "junction.edp", "vortices.edp", "vortices_mesh.edp", "grains.edp", "cases/my_case.edp")  # by the reader
 
 
 def read(page):
@@ -170,6 +170,7 @@ def test_the_case_of_the_readme_is_that_of_the_tutorial():
         "fluxes.csv"),
     ("docs/tutorials/own_flow.md", ["box", "--width", 0.3, "--height", 0.2, "--size", 0.005, "--out", "tank.mesh"], ["-tend", 0.1],
         "particles.csv"),
+    ("docs/tutorials/foreign_flow.md", None, ["-tend", 0.1], "particles.csv"),
 ])
 def test_what_a_tutorial_asks_its_reader_to_type_runs(page, mesh, words, table, freefem, tmp_path):
     for name, text in saved(page).items():

@@ -9,8 +9,8 @@ from tools.meshing.plane_mesh import edges_of, keys_of, signed_areas, smallest_a
 LEAST_ANGLE = 5.0  # degrees; below it a triangle counts as a sliver
 
 
-def faults(mesh, outline, tolerance=1e-9):
-    """What is wrong with a mesh of this outline (None: unknown): a list of sentences, empty when nothing is."""
+def faults(mesh, outline, tolerance=1e-9, least_angle=LEAST_ANGLE):
+    """What is wrong with a mesh of this outline (None: unknown): a list of sentences, empty when nothing is. least_angle: degrees."""
     found = []
     if not np.all(np.isfinite(mesh.points)):
         return ["a coordinate is not a finite number"]
@@ -18,8 +18,8 @@ def faults(mesh, outline, tolerance=1e-9):
     if areas.min() <= 0:
         found.append(f"{np.sum(areas <= 0)} triangles are inverted or have no area")
     angle = smallest_angles(mesh.points, mesh.triangles).min()
-    if angle < LEAST_ANGLE:
-        found.append(f"a triangle has an angle of {angle:.3g} degrees (least allowed: {LEAST_ANGLE:g})")
+    if angle < least_angle:
+        found.append(f"a triangle has an angle of {angle:.3g} degrees (least allowed: {least_angle:g})")
     if outline and not np.isclose(areas.sum(), outline.area(), rtol=tolerance, atol=0):
         found.append(f"the triangles cover {areas.sum():.12g}, the domain is {outline.area():.12g}")
     if len(np.unique(mesh.triangles)) != len(mesh.points):

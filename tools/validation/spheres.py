@@ -18,6 +18,7 @@ from tools.base.runner import finished, freefem, run_command
 from tools.base.timed import carried_step
 from tools.peers import spheres_exact as exact
 from tools.transport import fates as transport_table
+from tools.validation.given_flow import given_flow
 from tools.validation.two_way import TWO_WAY, unbalanced
 
 SCRIPT = "tests/transport/scripts/analytic.edp"
@@ -307,7 +308,7 @@ def seeds(context):
 
 
 SPHERES = [drag, terminal, startup, history, history_cost, lift, magnus, tracer, converging, together, unsteady, dispersion, mixed,
-    pair, *TWO_WAY, speed, application, seeds]
+    pair, given_flow, *TWO_WAY, speed, application, seeds]
 
 
 def main(words=None):

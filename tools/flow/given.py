@@ -1,0 +1,106 @@
+"""What the readers of a flow return, and which of a file's arrays is what."""
+import re
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from tools.base.command import BadInput
+
+# Names of arrays and columns, in lower case and without units in brackets: of OpenFOAM, Fluent, ParaView and this project.
+PLACE = ("x", "y"), ("x-coordinate", "y-coordinate"), ("points:0", "points:1"), ("points_0", "points_1")
+VECTORS = "u", "velocity", "vel"
+PAIRS = (("u", "v"), ("x-velocity", "y-velocity"), ("x_velocity", "y_velocity"), ("u:0", "u:1"), ("u_0", "u_1"), ("velocity:0",
+    "velocity:1"), ("velocity_0", "velocity_1"), ("ux", "uy"), ("vx", "vy"), ("velocity u", "velocity v"))
+THIRD = "w", "z-velocity", "z_velocity", "u:2", "u_2", "velocity:2", "velocity_2", "uz", "vz", "velocity w"
+SCALARS = {"k": ("k", "turb-kinetic-energy", "turb_kinetic_energy", "turbulent_kinetic_energy", "turbulence kinetic energy", "tke"),
+           "epsilon": ("epsilon", "turb-diss-rate", "turb_diss_rate", "turbulent_dissipation_rate", "turbulence eddy dissipation"),
+           "omega": ("omega", "specific-diss-rate", "specific_diss_rate", "turbulence eddy frequency")}
+CMU = 0.09  # epsilon = CMU k omega
+THIRD_MOST = 1e-3  # third component of the velocity over the largest of the others: above it a flow is not plane
+
+
+@dataclass
+class Given:
+    """A plane flow as read.
+
+    points: (n, 2), m; polygons: the cells, a list of arrays of corners (any sense of rotation); times: s; frames: of each time a
+    dict of arrays, u and v (m/s), and k (m2/s2), epsilon (m2/s3) where both are there, of length n (at points) or of the number of
+    cells (in_cells). sides: {name of a patch: (k, 2) corners of its edges}; kinds: {name: "wall", "symmetry" or ""}; on_sides: of
+    each time {name: {array: values at the middles of its edges}}, for the patches where they are given.
+    """
+    points: np.ndarray
+    polygons: list
+    times: list
+    frames: list
+    in_cells: bool
+    sides: dict = field(default_factory=dict)
+    kinds: dict = field(default_factory=dict)
+    on_sides: list = field(default_factory=list)
+
+
+def plain(name):
+    """The name of an array as in the lists above."""
+    return re.sub(r"\s*\[[^]]*\]\s*$", "", name.lower())
+
+
+def named(arrays, wanted, source):
+    """{"u", "v"[, "k", "epsilon"]: values} of the arrays {name: (n,) or (n, components)} of a file.
+
+    wanted: None, the name of a vector, or those of two components with a comma. Raises BadInput without velocities, for values that
+    are not finite and for a flow that is not plane.
+    """
+    low = {plain(name): np.asarray(values, float) for name, values in arrays.items()}
+    there = ", ".join(arrays) or "none"
+    names = [plain(name.strip()) for name in wanted.split(",")] if wanted else []
+    missing = [name for name in names if name not in low]
+    if missing or len(names) > 2:
+        raise BadInput(f"{source} has no velocity '{wanted}'; its arrays: {there}")
+    vector = names[0] if len(names) == 1 else next((name for name in VECTORS if name in low and low[name].ndim == 2), None)
+    pair = names if len(names) == 2 else next((pair for pair in PAIRS if set(pair) <= set(low)), None)
+    third = next((low[name] for name in THIRD if name in low and low[name].ndim == 1), None)
+    if vector and len(names) < 2:
+        if low[vector].ndim < 2 or low[vector].shape[1] < 2:
+            raise BadInput(f"{source}: '{vector}' is no vector; give two arrays as --velocity U,V")
+        u, v, third = low[vector][:, 0], low[vector][:, 1], low[vector][:, 2] if low[vector].shape[1] > 2 else None
+    elif pair:
+        u, v = low[pair[0]], low[pair[1]]
+    else:
+        raise BadInput(f"{source} has no velocities (as U, velocity, or u and v; --velocity NAME or --velocity U,V names "
+            f"others); its arrays: {there}")
+    found = {"u": u, "v": v}
+    turbulent = {name: next((low[other] for other in others if other in low and low[other].ndim == 1), None)
+        for name, others in SCALARS.items()}
+    if turbulent["epsilon"] is None and turbulent["k"] is not None and turbulent["omega"] is not None:
+        turbulent["epsilon"] = CMU * turbulent["k"] * turbulent["omega"]
+    if turbulent["k"] is not None and turbulent["epsilon"] is not None:
+        found |= {name: np.maximum(turbulent[name], 0) if np.isfinite(turbulent[name]).all() else turbulent[name]
+            for name in ("k", "epsilon")}
+    require_finite(found, source)
+    if third is not None and np.abs(third).max(initial=0) > THIRD_MOST * max(np.abs(u).max(), np.abs(v).max()):
+        raise BadInput(f"{source}: the flow is 3-D, its third component reaches {np.abs(third).max():.3g} m/s; only plane flows "
+            f"are taken")
+    return found
+
+
+def require_finite(arrays, source):
+    """Raises BadInput where an array holds a value that is not finite."""
+    for name, values in arrays.items():
+        if bad := np.sum(~np.isfinite(values)):
+            raise BadInput(f"{source}: {name} has {bad} values that are no finite numbers (nan or inf), the first in place "
+                f"{np.flatnonzero(~np.isfinite(values))[0]}")
+
+
+def chosen_times(times, text, source):
+    """The places in `times` (s, ascending) that --times picks: "last" or None, "all", or FROM:TO. Raises BadInput."""
+    if text in (None, "last"):
+        return [len(times) - 1]
+    if text == "all":
+        return list(range(len(times)))
+    try:
+        low, high = (float(word) if word else end for word, end in zip(text.split(":"), (-np.inf, np.inf), strict=True))
+    except ValueError:
+        raise BadInput(f"--times of {source} is last, all or FROM:TO (s), not '{text}'") from None
+    places = [k for k, time in enumerate(times) if low * (1 - 1e-9) - 1e-12 <= time <= high * (1 + 1e-9) + 1e-12]
+    if not places:
+        raise BadInput(f"{source} has no time from {low:g} to {high:g} s; it has {', '.join(f'{time:g}' for time in times)}")
+    return places
