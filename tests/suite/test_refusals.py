@@ -13,7 +13,7 @@ from tools.base.run_folder import RunFolder
     (["-mesh", "nowhere.mesh"], "cannot read the mesh"),
     (["-mesh", "meshes/cavity.mesh"], "label"),
     (["-tned", "1"], "-tend"),
-    (["-start", "slowly"], "must be one of"),
+    (["-inflow", "slowly"], "must be one of"),
 ])
 def test_bad_input_is_refused_in_words(words, says, run_folder):
     run = run_freefem("cases/cylinder_channel.edp", "-out", run_folder, *words, check=False)

@@ -170,6 +170,8 @@ def test_a_second_setup_takes_less_than_two_seconds():
     start = time.monotonic()
     subprocess.run([ROOT / "tools/setup/setup.sh"], check=True, env=os.environ | {"FREEFEM": FREEFEM}, timeout=60)
     assert time.monotonic() - start < 2
+    named = [path.read_text().strip() for path in (ROOT / ".venv").glob("lib/python3*/site-packages/project.pth")]
+    assert named == [str(ROOT.resolve())]  # python -m tools.NAME from any folder
 
 
 def test_setup_in_the_activated_environment_leaves_it_alone():

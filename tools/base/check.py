@@ -33,7 +33,7 @@ from tools.base.tables import read_table
 TABLES = ("particles", "fluid", "contacts", "forces", "wallforces", "fluxes", "budget", "motion", "steps", "coupling", "entries",
     "exits")
 KEYS = ("id", "label", "i", "j")  # columns that tell the rows of one time apart
-NOT_COMPARED = ("step", "dt", "iterations", "gap", "worst_gap")
+NOT_COMPARED = ("step", "dt", "iterations", "gap", "worst_gap", "name")
 SAME_TIME = 1e-9  # of the length of the run: times this close are one time
 
 

@@ -31,7 +31,8 @@ NEEDED = {"particles": "t id x y theta radius", "fluid": "t", "contacts": "t i j
           "motion": "step t kinetic_energy potential_energy worst_gap", "walls": "x1 y1 x2 y2", "wallmoves": "t wall x1 y1 x2 y2",
           "wall": "x side shear pressure", "zones": "side separation reattachment"}  # columns without which a table says nothing
 KINDS = {"parameters": (dict, "an object in braces"), "units": (dict, "an object in braces"),
-    "period": (list, "two numbers in brackets"), "low": (list, "two numbers in brackets"), "open": (list, "labels in brackets")}
+    "period": (list, "two numbers in brackets"), "low": (list, "two numbers in brackets"), "open": (list, "labels in brackets"),
+    "sides": (dict, "an object in braces")}
 
 
 def own(path):
@@ -148,6 +149,11 @@ class RunFolder:
     def open(self):
         """Labels of the sides that are no walls: inlets, outlets, seams of a period."""
         return tuple(self.info.get("open") or OPEN)
+
+    @cached_property
+    def sides(self):
+        """{label: name} of the sides that have names of the case's own or the mesh's."""
+        return {int(label): str(name) for label, name in (self.info.get("sides") or {}).items()}
 
     @property
     def clip(self):

@@ -16,7 +16,7 @@ from tools.base.command import BadInput
 def read_table(path, finite=False, of_run=False):
     """The columns of a CSV file as {name: array}. A last row cut short (a run killed
     while writing on a full disk) is an error like any other: rows are whole or wrong.
-    finite: nan and inf are errors too. of_run: a run wrote it, which ends every line; a last
+    A last column `name`, of sides that have names of their own, is an array of texts. finite: nan and inf are errors too. of_run: a run wrote it, which ends every line; a last
     line without its end may be cut within a number."""
     try:
         with open(path, newline="", encoding="utf-8-sig") as stream:
@@ -34,15 +34,18 @@ def read_table(path, finite=False, of_run=False):
         raise BadInput(f"{path}, line {lines[0][0]}: the header has an empty or a repeated column name")
     if all(is_number(name) for name in names):
         raise BadInput(f"{path}, line {lines[0][0]}: a header row with column names is needed, not numbers")
-    body = lines[1:]
+    body, texts = lines[1:], {}
+    if names[-1] == "name" and len(names) > 1:
+        names, cut = names[:-1], [(number, line.rstrip("\r\n").rpartition(",")) for number, line in body]
+        body, texts = [(number, part[0]) for number, part in cut], {"name": np.array([part[2] for _, part in cut], dtype=str)}
     if not body:
-        return {name: np.empty(0) for name in names}
+        return {name: np.empty(0) for name in names} | texts
     try:
         values = np.loadtxt([line for _, line in body], delimiter=",", comments=None, ndmin=2)
         if values.shape[1] == len(names):
             for row, column in np.argwhere(~np.isfinite(values))[:1] if finite else ():
                 raise BadInput(f"{path}, line {body[row][0]}: {names[column]} is {values[row, column]}, not a finite number")
-            return {name: values[:, k].copy() for k, name in enumerate(names)}
+            return {name: values[:, k].copy() for k, name in enumerate(names)} | texts
     except ValueError:
         pass
     raise BadInput(first_fault(path, body, names))

@@ -11,10 +11,11 @@ A case that compiles runs in the folder of this project, as by FreeFem++ -nw, an
 FreeFEM's (128 + signal where a signal ended it). Its output passes through; a line "error: ..." is
 held back until FreeFEM has ended, so that it is the last one. Files that options name (-mesh,
 -particles, -restart, -out, ...) are taken from the folder where you are; what is not there, but in
-the folder of the project, as meshes/cavity.mesh, is taken from there, and without -out the run
-lies in its results/. Files that the text of the case names are looked for in the project, and
-includes beside the case too. Ctrl-C, SIGTERM and SIGHUP reach FreeFEM and what it has started;
-nothing is left running.
+the folder of the project, as meshes/cavity.mesh, is taken from there. Files that the text of the
+case names by optDefault or optNear, and its includes, are looked for beside the case, then in the
+project. Without -out the run lies in results/ of the folder where you are; if that is the
+project's and the case lies elsewhere, in results/ beside the case. Ctrl-C, SIGTERM and SIGHUP
+reach FreeFEM and what it has started; nothing is left running.
 
 From another folder: python FOLDER_OF_THE_PROJECT/tools/run.py CASE.edp, or set PYTHONPATH to it.
 FREEFEM in the environment names another FreeFem++.
@@ -70,10 +71,14 @@ def found(name):
 
 
 def surroundings(case):
-    """The environment of FreeFEM: it looks for includes in the project, then in the folders of the case and of the user."""
+    """The environment of FreeFEM: it looks for includes in the project, then in the folders of the case and of the user; runs
+    without -out go to the folder PARTICLES_RESULTS."""
     before = os.environ.get("FF_INCLUDEPATH", "")
     folders = [*([before] if before else []), str(case.parent), str(Path.cwd())]
-    return {**os.environ, "FF_INCLUDEPATH": ";".join(folders)}
+    inside = Path.cwd().is_relative_to(ROOT)
+    home = ROOT if inside and case.is_relative_to(ROOT) else case.parent if inside else Path.cwd()
+    runs = {} if home == ROOT or "PARTICLES_RESULTS" in os.environ else {"PARTICLES_RESULTS": str(home / "results")}
+    return {**os.environ, "FF_INCLUDEPATH": ";".join(folders), **runs}
 
 
 def refuse_what_does_not_compile(case, shown, environment):

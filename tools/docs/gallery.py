@@ -52,7 +52,7 @@ def page(entry, helps):
         if picture:
             text += f"![{name}](../../cases/pictures/{picture})\n\n"
     if entry["draws"]:
-        text += f"Drawn by {prose(entry['draws'])}.\n\n"
+        text += f"{'Drawn' if entry['picture'] else 'A picture is drawn'} by {prose(entry['draws'])}.\n\n"
     facts = [("Case", f"`{path}`"), ("Driver", f"`scripts/{options.driver_of(path)}`"), ("CPU time", entry["cpu"]),
         ("Error", entry["error"])]
     if entry["page"]:

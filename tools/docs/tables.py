@@ -69,7 +69,7 @@ def columns(table):
     """The columns as the code writes them. Raises BadInput where the writer has no such table."""
     if table.columns:
         return table.columns.split(",")
-    found = re.search(rf'outHeader\("{re.escape(table.name)}",\s*"([^"]+)"\)', (ROOT / table.writer).read_text())
+    found = re.search(rf'outHeader\("{re.escape(table.name)}",\s*"([^"]+)"(?: \+ \w+\(\))?\)', (ROOT / table.writer).read_text())
     if not found:
         raise BadInput(f'{table.writer} has no outHeader("{table.name}", ...); name its writer in tools/docs/tables.py')
     return found.group(1).split(",")

@@ -64,7 +64,8 @@ def summary(mesh):
     edges, _ = edges_of(mesh.triangles)
     lengths = np.linalg.norm(np.diff(mesh.points[edges], axis=1)[:, 0], axis=1)
     labels = ", ".join(
-        f"{NAMES.get(label, 'label')} ({label}) {np.sum(mesh.edge_labels == label)}" for label in np.unique(mesh.edge_labels)
+        f"{mesh.names.get(label) or NAMES.get(label, 'label')} ({label}) {np.sum(mesh.edge_labels == label)}"
+        for label in np.unique(mesh.edge_labels)
     )
     return (
         f"{len(mesh.points)} vertices, {len(mesh.triangles)} triangles, edges {lengths.min():.4g} to {lengths.max():.4g}\n"

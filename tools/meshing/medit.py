@@ -19,6 +19,8 @@ def write(mesh, file):
     """
     file = Path(file)
     vertex_labels = np.zeros(len(mesh.points), dtype=int)
+    for label in mesh.names:
+        vertex_labels[mesh.edges[mesh.edge_labels == label]] = label
     for name in PRECEDENCE:
         vertex_labels[mesh.edges[mesh.edge_labels == LABELS[name]]] = LABELS[name]
     content = meshio.Mesh(
@@ -31,6 +33,10 @@ def write(mesh, file):
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
         meshio.write(temporary, content, file_format="medit", float_fmt=".15g")
+        if mesh.names:
+            head, dimension, rest = temporary.read_text(encoding="utf-8").partition("Dimension 2\n")
+            sides = "".join(f"# side {label} {name}\n" for label, name in sorted(mesh.names.items()))
+            temporary.write_text(head + dimension + sides + rest, encoding="utf-8")
         os.replace(temporary, file)
     except OSError as problem:
         raise BadInput(f"cannot write the mesh to '{file}': {problem.strerror}") from None

@@ -1,8 +1,8 @@
 """A domain of your own: a gmsh script (.geo) or a mesh by gmsh (.msh), its sides named by physical curves.
 
 Each side of the domain belongs to a physical curve whose name is a boundary of the project
-(wall, inlet, outlet, obstacle, left, right ...; lib/mesh/labels.idp) or, without a name, whose number
-is the label:
+(wall, inlet, outlet, obstacle, left, right ...; lib/mesh/labels.idp) or one of your own, which gets a label from
+21 on and stands in the head of the mesh; without a name the curve's number is the label:
 
     Physical Curve("wall") = {1, 3}; Physical Curve("inlet") = {4}; Physical Curve("outlet") = {2};
     Physical Surface("fluid") = {1};
@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from tools.base.command import BadInput, positive
-from tools.meshing.labels import LABELS
+from tools.meshing.labels import LABELS, own_labels
 from tools.meshing.plane_mesh import finished, signed_areas
 from tools.meshing.unstructured import extracted, with_gmsh
 
@@ -107,7 +107,20 @@ def read(gmsh, source, size, all_sizes=False):
     points = points[:, :2]
     if len(np.unique(points, axis=0)) < len(points):
         raise BadInput(f"'{source}' has two nodes in one place: remove duplicates, or give matching sides one curve")
-    return finished(points, triangles, partial(named, labels=labels_of_edges(gmsh, source, points, number), source=source))
+    own = own_names(gmsh, source)
+    mesh = finished(points, triangles, partial(named, labels=labels_of_edges(gmsh, points, number, own, source), source=source))
+    mesh.names = {label: name for name, label in own.items() if np.any(mesh.edge_labels == label)}
+    return mesh
+
+
+def own_names(gmsh, source):
+    """{name: label} of the physical curves that have names of one's own, in the order of their numbers. Raises BadInput."""
+    groups = gmsh.model.getPhysicalGroups(1)
+    names = {group: gmsh.model.getPhysicalName(dimension, group) for dimension, group in groups}
+    try:
+        return own_labels(filter(None, names.values()), {group for group, name in names.items() if not name})
+    except BadInput as problem:
+        raise BadInput(f"'{source}': {problem}") from None
 
 
 def meshed(gmsh, source, size, all_sizes):
@@ -131,12 +144,13 @@ def meshed(gmsh, source, size, all_sizes):
     return scale, sorted({tag for pair in groups for tag in gmsh.model.getEntitiesForPhysicalGroup(*pair)}) or [-1]
 
 
-def labels_of_edges(gmsh, source, points, number):
-    """{places of an edge: label} of the physical curves; number: of each node's tag, the point's (below 0: none). Raises
-    BadInput."""
+def labels_of_edges(gmsh, points, number, own, source):
+    """{places of an edge: label} of the physical curves; number: of each node's tag, the point's (below 0: none); own: labels of
+    names of one's own. Raises BadInput."""
     labels, outside = {}, 0
     for dimension, group in gmsh.model.getPhysicalGroups(1):
-        label = number_of(gmsh.model.getPhysicalName(dimension, group), group, source)
+        name = gmsh.model.getPhysicalName(dimension, group)
+        label = (LABELS | own)[name] if name else group  # a curve without a name has its number
         for curve in gmsh.model.getEntitiesForPhysicalGroup(dimension, group):
             _, ends = gmsh.model.mesh.getElementsByType(1, curve)
             ends = number[ends.astype(int)].reshape(-1, 2)
@@ -153,15 +167,6 @@ def labels_of_edges(gmsh, source, points, number):
 def places(edge):
     """What tells an edge (2, 2) from others, whatever its points' numbers and order."""
     return frozenset(map(tuple, edge))
-
-
-def number_of(name, group, source):
-    """The label of a physical curve, by its name or its number."""
-    if name in LABELS:
-        return LABELS[name]
-    if name:
-        raise BadInput(f"'{source}' has a physical curve '{name}'; names are {', '.join(LABELS)}, or none and a number")
-    return group
 
 
 def named(points, edges, labels, source):

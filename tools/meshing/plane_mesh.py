@@ -1,6 +1,6 @@
 """A plane triangle mesh with labelled boundary edges: orientation, labels, numbering."""
 import heapq
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -11,12 +11,13 @@ CORNERS = ((0, 1), (1, 2), (2, 0))
 
 @dataclass
 class PlaneMesh:
-    """points (n, 2), triangles (m, 3) counter-clockwise, edges (k, 2) and their labels (k,)."""
+    """points (n, 2), triangles (m, 3) counter-clockwise, edges (k, 2) and their labels (k,); names: {label: a name of one's own}."""
 
     points: np.ndarray
     triangles: np.ndarray
     edges: np.ndarray
     edge_labels: np.ndarray
+    names: dict = field(default_factory=dict)
 
 
 def finished(points, triangles, labels_of):

@@ -132,3 +132,7 @@ if [[ ! -f $stamp ]] || ! has "$freefem" || ! environment_is_complete; then
     has "$freefem" || fail "missing: $freefem; it is not on the PATH although its packages are installed: name it with FREEFEM=/path/to/FreeFem++"
     environment_is_complete || make_environment
 fi
+# So that python -m tools.NAME of .venv finds the tools from any folder.
+for packages in .venv/lib/python3*/site-packages; do
+    [[ ! -d $packages || -f $packages/project.pth ]] || pwd -P >"$packages/project.pth"
+done

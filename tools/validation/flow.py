@@ -137,7 +137,7 @@ def cylinder_vortices(context):
 
 def cylinder_pulse(context):
     """DFG 2D-3: an inflow that rises and falls; maxima of drag and lift and when."""
-    run = context.run("cases/cylinder_channel.edp", {"-start": "sine", "-tend": 8, "-dt": 0.001, "-tolerance": 1e-5,
+    run = context.run("cases/cylinder_channel.edp", {"-inflow": "sine", "-tend": 8, "-dt": 0.001, "-tolerance": 1e-5,
         "-every": 0.1}, "2d3", mesh=fine_mesh(context))
     t, drag, lift = coefficients(run)
     figure, axes = plt.subplots(1, 2, figsize=(PAGE_WIDTH, 2.8), layout="constrained")
