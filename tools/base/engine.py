@@ -20,6 +20,7 @@ from pathlib import Path
 from tools.base.runner import commit, fingerprint, freefem, option_words, run_case, run_command, side_by_side
 from tools.base.tables import write_text
 
+AT_LIMIT = 124  # status of a run that was stopped at its limit
 FINISHED = ("", "finished")  # statuses in run.json of a run that is at its end
 
 
@@ -82,8 +83,8 @@ def can_go_on(job):
     except OSError:
         begun = ""
     old = read_note(job)
-    cut = old.get("key") == job.key and (old.get("status") == 0 or isinstance(old.get("status"), int) and old["status"] < 0)
-    return begun == job.key or cut
+    status = old.get("status")
+    return begun == job.key or old.get("key") == job.key and isinstance(status, int) and (status <= 0 or status == AT_LIMIT)
 
 
 def attempt(job, going):

@@ -227,6 +227,15 @@ class RunFolder:
             raise BadInput(f"cannot read {path}: {problem}") from None
 
     @cached_property
+    def result_units(self):
+        """{quantity: unit} of results.csv, empty where the run wrote none."""
+        try:
+            text = (self.folder / "results.csv").read_text(encoding="utf-8")
+        except OSError:
+            return {}
+        return {row.get("quantity"): row.get("unit") or "" for row in csv.DictReader(text.splitlines())}
+
+    @cached_property
     def walls(self):
         """walls.csv, the walls at the start, as segments (S, 2, 2); none if the run wrote none."""
         if not self.has("walls"):
