@@ -205,6 +205,12 @@ class RunFolder:
         return self._aspects.get(int(one), 1.0)
 
     @cached_property
+    def held(self):
+        """Ids of the particles that do not move freely: fixed, moved as prescribed, or pinned; none where entries.csv does not say."""
+        table = self.columns("entries", "id") if self.has("entries") else {}
+        return {int(one) for one, free in zip(table["id"], table["free"]) if free < 0.5} if "free" in table else set()
+
+    @cached_property
     def fluid(self):
         """fluid.csv: one row per output time."""
         return self.columns("fluid")
