@@ -18,6 +18,7 @@ import numpy as np
 
 from tools.base.command import BadInput
 from tools.base.mesh_files import OPEN, read_field, read_mesh
+from tools.base.run_arrays import Arrays
 from tools.base.tables import read_table
 
 SI = {"length": "m", "time": "s", "mass": "kg"}
@@ -44,8 +45,8 @@ def own(path):
     return path
 
 
-class RunFolder:
-    """What a run wrote, by name."""
+class RunFolder(Arrays):
+    """What a run wrote, by name; as arrays and frames: tools/base/run_arrays.py."""
 
     def __init__(self, folder):
         self.folder = Path(folder)
