@@ -46,7 +46,7 @@ def assert_ended(done, folder, name, rows):
 
 
 def test_who_leaves_when_a_file_may_not_grow(tmp_path):
-    assert_ended(leaves(tmp_path, tmp_path, "prlimit --pid $PPID --fsize=2600"), tmp_path / "run", "exits", 20)
+    assert_ended(leaves(tmp_path, tmp_path, "prlimit --pid $PPID --fsize=3400"), tmp_path / "run", "exits", 20)
 
 
 def test_who_leaves_when_the_disk_is_full(tmp_path):

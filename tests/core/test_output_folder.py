@@ -84,6 +84,16 @@ def test_a_continued_run_is_as_one_without_a_break(ended, tmp_path):
     assert (folder / "particles.csv").read_bytes() == (tmp_path / "whole/particles.csv").read_bytes()
 
 
+def test_a_run_does_not_go_on_in_a_table_of_other_columns(ended, tmp_path):
+    """As one that an earlier version wrote: rows of two widths stood under one header."""
+    folder = tmp_path / "run"
+    shutil.copytree(ended, folder)
+    text = (folder / "motion.csv").read_text()
+    (folder / "motion.csv").write_text(text.replace("step,t,", "step,t,mine,", 1))
+    assert_refused(run(*FALLING, "-tend", 0.4, "-restart", folder), (3,), "motion.csv has other columns than this run writes")
+    run_freefem(*FALLING, "-tend", 0.3, "-restart", folder, "-out", tmp_path / "new")
+
+
 def test_a_run_without_a_list_of_its_files_is_not_replaced(ended, tmp_path):
     folder = tmp_path / "run"
     shutil.copytree(ended, folder)

@@ -59,6 +59,8 @@ def test_who_leaves_is_told_once_and_goes_where_the_water_goes(mesh, freefem, tm
     below = {int(one) for one, y in zip(left["id"], left["y"]) if y < 0.5}
     above = {int(one) for one, y in zip(left["id"], left["y"]) if y > 0.65}
     assert below and above and len(below) + len(above) == len(left["id"])
+    sides = {int(one): int(label) for one, label in zip(left["id"], left["label"])}
+    assert sides == dict.fromkeys(below, 2) | dict.fromkeys(above, 12)
     height = dict(zip(entered["id"].astype(int), entered["y"]))
     fluxes = run.table("fluxes")
     share = fluxes["flux"][fluxes["label"] == 2][-1] / -fluxes["flux"][fluxes["label"] == 1][-1]

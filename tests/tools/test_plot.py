@@ -199,6 +199,21 @@ def test_the_title_of_paths_of_ellipses_gives_their_long_axis(tmp_path, monkeypa
         write_csv(folder / "shapes.csv", ["id", "major", "minor"], [[0, 0.01, 0.005]])
 
 
+def test_a_fixed_particle_has_no_path_that_counts(tmp_path, monkeypatch):
+    folder, drawn = write_run(tmp_path / "run", number=3, steps=20), []
+    table = read_table(folder / "particles.csv")
+    for name, value in (("radius", 0.01), ("x", 0.5), ("y", 0.0)):
+        table[name][table["id"] == 1] = value
+    write_csv(folder / "particles.csv", table, np.column_stack([*table.values()]))
+    monkeypatch.setattr(plot, "save", lambda figure, path: drawn.append(figure))
+    for free, number in ((1, 3), (0, 2)):
+        write_csv(folder / "entries.csv", "t,id,x,y,u,v,radius,density,free".split(","), [[0, one, 0, 0, 0, 0, 0.01, 1,
+            one != 1 or free] for one in range(3)])
+        plot.plot_trajectories(RunFolder(folder), None)
+        assert drawn[-1].texts[0].get_text().endswith(f"paths of {number} particles")
+        plt.close(drawn[-1])
+
+
 def test_a_path_over_a_seam_is_drawn_to_it_on_both_sides_and_no_further(tmp_path, monkeypatch):
     folder, drawn = write_run(tmp_path / "run", number=1, steps=4), []
     (folder / "run.json").write_text('{"case": "made_up", "period": [0.4, 0]}')

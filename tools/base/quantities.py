@@ -1,6 +1,7 @@
 """Numbers to judge a run by: each is a function of the tables in the run folder.
 
-A study selects them by name: --quantity mean_v, or with arguments mean_v:0.2:0.5. --quantities FILE
+A study selects them by name: --quantity mean_v, or with arguments mean_v:0.2:0.5; or by an expression on a table
+(tools/base/expressions.py): particles.csv:y:last. --quantities FILE
 adds those of a Python file: its public functions, whose first argument is the run
 (tools.base.run_folder.RunFolder) and whose others are numbers with defaults, or strings where they are
 annotated so (name: str). --help shows the first line of the docstring. A function that cannot
@@ -14,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+from tools.base import expressions
 from tools.base.command import BadInput
 
 # Windows of time in which the references of a case are given, s.
@@ -250,7 +252,9 @@ def summary(known):
 
 
 def parse(text, known):
-    """'mean_v:0.2:0.5' as a function of the run."""
+    """'mean_v:0.2:0.5', or an expression of tools/base/expressions.py, as a function of the run."""
+    if expressions.is_expression(text):
+        return expressions.parse(text)
     name, *words = text.split(":")
     if name not in known:
         raise BadInput(f"there is no quantity {name}; known are {', '.join(sorted(known))}")

@@ -18,6 +18,7 @@ import numpy as np
 
 from tools.base.command import BadInput
 from tools.base.mesh_files import OPEN, read_field, read_mesh
+from tools.base.run_arrays import Arrays
 from tools.base.tables import read_table
 
 SI = {"length": "m", "time": "s", "mass": "kg"}
@@ -45,8 +46,8 @@ def own(path):
     return path
 
 
-class RunFolder:
-    """What a run wrote, by name."""
+class RunFolder(Arrays):
+    """What a run wrote, by name; as arrays and frames: tools/base/run_arrays.py."""
 
     def __init__(self, folder):
         self.folder = Path(folder)
@@ -211,6 +212,12 @@ class RunFolder:
         return self._aspects.get(int(one), 1.0)
 
     @cached_property
+    def held(self):
+        """Ids of the particles that do not move freely: fixed, moved as prescribed, or pinned; none where entries.csv does not say."""
+        table = self.columns("entries", "id") if self.has("entries") else {}
+        return {int(one) for one, free in zip(table["id"], table["free"]) if free < 0.5} if "free" in table else set()
+
+    @cached_property
     def fluid(self):
         """fluid.csv: one row per output time."""
         return self.columns("fluid")
@@ -231,6 +238,15 @@ class RunFolder:
             return {row["quantity"]: float(row["value"]) for row in csv.DictReader(text.splitlines())}
         except (OSError, ValueError, KeyError, TypeError) as problem:
             raise BadInput(f"cannot read {path}: {problem}") from None
+
+    @cached_property
+    def result_units(self):
+        """{quantity: unit} of results.csv, empty where the run wrote none."""
+        try:
+            text = (self.folder / "results.csv").read_text(encoding="utf-8")
+        except OSError:
+            return {}
+        return {row.get("quantity"): row.get("unit") or "" for row in csv.DictReader(text.splitlines())}
 
     @cached_property
     def walls(self):

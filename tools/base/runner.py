@@ -228,12 +228,12 @@ def why(status, text):
     return f"{STATUSES.get(status, 'failed')} (status {status})"
 
 
-def commit():
-    """Short name of the commit, with + if files differ from it; "unknown" outside a checkout."""
+def commit(folders=("cases", "lib", "scripts", "tools")):
+    """Short name of the commit, with + if files of these folders differ from it; "unknown" outside a checkout."""
     try:
         def git(*words):
             return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
-        changed = git("status", "--porcelain", "--untracked-files=no", "--", "cases", "lib", "scripts", "tools")
+        changed = git("status", "--porcelain", "--untracked-files=no", "--", *folders)
         return git("rev-parse", "--short=10", "HEAD") + ("+" if changed else "")
     except (OSError, subprocess.CalledProcessError):
         return "unknown"

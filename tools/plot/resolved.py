@@ -126,10 +126,12 @@ def plot_trajectories(run, path):
         figure.colorbar(plt.cm.ScalarMappable(scale, LINE_MAP), cax=bar).set_label(label)
     else:
         bar.remove()
-    number = f"{len(tracks)} particles" if len(tracks) > 1 else "one particle"
+    fixed = sum(int(one) in run.held and np.ptp(track["x"]) + np.ptp(track["y"]) == 0 for one, track in run.tracks.items())
+    count = len(tracks) - fixed
+    number = f"{count} particles" if count > 1 else "one particle" if count else "fixed particles"
     if not several:
         number += f", {size} {low:.4g} {length}"
-    headline(figure, title(run, ("path of " if len(tracks) == 1 else "paths of ") + number, figure.get_figwidth()))
+    headline(figure, title(run, ("path of " if count == 1 else "paths of " if count else "") + number, figure.get_figwidth()))
     return save(figure, path)
 
 

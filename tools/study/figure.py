@@ -6,6 +6,7 @@ import textwrap
 import numpy as np
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
 
+from tools.base.expressions import is_expression
 from tools.base.run_folder import RunFolder
 from tools.plot.style import MARKERS, PAGE_WIDTH, curve, plt, save
 from tools.study.convergence import pareto
@@ -22,6 +23,9 @@ def units_of(records):
 
 def words_of(quantity):
     """A quantity's name in words, without its numbers."""
+    if is_expression(quantity):
+        table, *words = quantity.split(":")
+        return " ".join([*words, f"({table})"]).replace("_", " ")
     return quantity.removeprefix("result:").split(":")[0].replace("_", " ")
 
 

@@ -25,15 +25,12 @@ time step; -- -cfl 0 keeps the steps.
 Status 0: all runs ended well; 1: some failed; 3: bad input.
 """
 import argparse
-import concurrent.futures
 import hashlib
 import itertools
-import json
 import math
 import os
 import re
 import shlex
-import statistics
 import sys
 import time
 from dataclasses import dataclass, field
@@ -43,10 +40,11 @@ import numpy as np
 
 from tools.base import quantities, runner
 from tools.base.command import ROOT, BadInput, Parser, case_options, number, out_folder, positive, whole
+from tools.base.engine import Job, failure, run_all
 from tools.base.mesh_files import read_mesh
 from tools.base.run_folder import RunFolder
-from tools.base.runner import commit, cores, fingerprint, freefem, named_files, run_case, side_by_side
-from tools.base.tables import write_table, write_text
+from tools.base.runner import cores, freefem, named_files, side_by_side
+from tools.base.tables import write_table
 from tools.study.convergence import LARGEST_ORDER
 from tools.study.report import error_of, extrapolated, name_of, report
 
@@ -161,14 +159,8 @@ def own_mesh(name, size):
     return {name: round(1 / size) if name == CELLS else float(size)}
 
 
-def one_run(study, size, dt, mesh):
-    """Run one pair of size and step, or read what is there; returns its record as a dict.
-    mesh: the file, None for the case's own, or a BadInput why there is none."""
-    name = name_of(size, dt)
-    folder, note = Path(study.out) / "runs" / name, Path(study.out) / "runs" / f"{name}.json"
-    record = {"meshsize": size, "dt": dt, "run": str(folder), "timing": study.timing, "commit": commit(), "fresh": True}
-    if isinstance(mesh, BadInput):
-        return {**record, "status": 3, "reason": str(mesh), "cpu_s": math.nan, "wall_s": math.nan, "memory_mib": math.nan}
+def job_of(study, size, dt, mesh):
+    """The Job of one pair of size and step. mesh: the file, None for the case's own."""
     options = dict(study.options)
     if mesh is not None:
         options["-mesh"] = str(mesh)
@@ -176,29 +168,8 @@ def one_run(study, size, dt, mesh):
         options |= own_mesh(study.by, size)
     if dt is not None:
         options["-dt"] = float(dt)
-    key = fingerprint(study.script, options)
-    try:
-        old = json.loads(note.read_text())
-    except (OSError, ValueError):
-        old = {}
-    usable = old.get("key") == key and (old.get("status") == 0 or not study.retry) and \
-        old.get("repeats", 0) >= study.repeats and (old.get("timing") or not study.timing)
-    if usable and (folder.is_dir() or old["status"] != 0):
-        return {**old, "fresh": False}
-    note.unlink(missing_ok=True)
-    runs = []
-    for _ in range(study.repeats):
-        runs.append(run_case(study.script, options, out=folder, limit=study.limit))
-        if not runs[-1].ok:
-            break
-    last = runs[-1]
-    record.update(key=key, repeats=study.repeats, status=last.status, reason=last.reason,
-                  cpu_s=statistics.median(r.cpu_s for r in runs), wall_s=statistics.median(r.wall_s for r in runs),
-                  memory_mib=max(r.memory_mb for r in runs))
-    note.parent.mkdir(parents=True, exist_ok=True)
-    (note.with_suffix(".log")).write_text(last.log)
-    write_text(note, json.dumps(record, indent=1))
-    return record
+    return Job(study.script, options, Path(study.out) / "runs" / name_of(size, dt), study.limit, study.repeats, study.timing,
+        study.retry)
 
 
 def steps_of(run):
@@ -251,27 +222,36 @@ def run_study(study, mesh_maker=make_mesh, say=print):
     workers = 1 if study.timing else max(1, study.jobs)
     for old in study.out.glob("study_*.png"):
         old.unlink()  # of a study whose table is replaced
-    begin, records, spent, weights = time.perf_counter(), [], 0.0, {p: (p[0] or 1) ** -2 / (p[1] or 1) for p in pairs}
+    begin, records, done, weights = time.perf_counter(), [], [], {p: (p[0] or 1) ** -2 / (p[1] or 1) for p in pairs}
+
+    def mesh_of(size):
+        try:
+            return None if size is None or study.by else Path(mesh_maker(study, size)).resolve()
+        except BadInput as problem:
+            return problem
     with side_by_side(workers) as pool:
-        def mesh_of(size):
-            try:
-                return None if size is None or study.by else Path(mesh_maker(study, size)).resolve()
-            except BadInput as problem:
-                return problem
         meshes = dict(zip(study.meshsizes, pool.map(mesh_of, study.meshsizes)))
-        true = true_sizes(meshes)
-        if list(true.values()) != list(true):
-            say("a whole number of cells must fit: " + ", ".join(f"{size:.6g} for {asked:.6g}" for asked, size in true.items())
-                + "; orders are of these sizes")
-        waiting = {pool.submit(one_run, study, size, dt, meshes[size]): (size, dt) for size, dt in pairs}
-        for future in concurrent.futures.as_completed(waiting):
-            size, dt = waiting[future]
-            record = measure(study, {**future.result(), "asked": size, "meshsize": true[size], "dt": dt}, functions)
-            records.append(record)
-            spent += weights[waiting[future]]
-            write_study(study, records, references_of(study, records))
-            left = (time.perf_counter() - begin) * (sum(weights.values()) / spent - 1)
-            say(progress(record, len(records), len(pairs), left))
+    true = true_sizes(meshes)
+    if list(true.values()) != list(true):
+        say("a whole number of cells must fit: " + ", ".join(f"{size:.6g} for {asked:.6g}" for asked, size in true.items())
+            + "; orders are of these sizes")
+
+    def ended(pair, record):
+        size, dt = pair
+        records.append(measure(study, {**record, "asked": size, "meshsize": true[size], "dt": dt}, functions))
+        done.append(weights[pair])
+        write_study(study, records, references_of(study, records))
+        left = (time.perf_counter() - begin) * (sum(weights.values()) / sum(done) - 1)
+        say(progress(records[-1], len(records), len(pairs), left))
+    jobs = {}
+    for pair in pairs:
+        mesh = meshes[pair[0]]
+        if isinstance(mesh, BadInput):
+            ended(pair, failure(study.out / "runs" / name_of(*pair), str(mesh), timing=study.timing))
+        else:
+            job = job_of(study, *pair, mesh)
+            jobs[job.folder] = pair, job
+    run_all([job for _, job in jobs.values()], workers, lambda job, record: ended(jobs[job.folder][0], record))
     records.sort(key=lambda r: (-(r["meshsize"] or 0), -(r["dt"] or 0)))
     references = references_of(study, records)
     write_study(study, records, references)

@@ -23,8 +23,8 @@ from pathlib import Path
 import numpy as np
 
 from tools.base.command import ROOT, BadInput, Parser, case_options, out_folder, whole
+from tools.base.engine import Job, run_all
 from tools.base.run_folder import RunFolder
-from tools.base.runner import fingerprint, run_case, side_by_side
 from tools.base.tables import write_table
 from tools.plot.style import PAGE_WIDTH, CURVES, plt, save
 
@@ -141,29 +141,18 @@ def plot_table(rows, path, seeds):
     return save(figure, path)
 
 
-def finished(folder, mark):
-    """True if a finished run with this fingerprint stands in the folder."""
-    try:
-        return RunFolder(folder).status == "finished" and (folder / "made_of").read_text() == mark
-    except (OSError, BadInput):
-        return False
-
-
 def compute(seeds, out, options, jobs):
     """The run folders, one a seed; those that are missing are made."""
-    def one(seed):
-        folder, wanted = out / f"seed_{seed:03d}", {**options, "-seed": seed}
-        mark = fingerprint(CASE, wanted)
-        if not finished(folder, mark):
-            done = run_case(CASE, wanted, out=folder)
-            if not done.ok:
-                raise BadInput(f"seed {seed}: {done.reason}")
-            (folder / "made_of").write_text(mark)
-            print(f"seed {seed}: {done.cpu_s:.1f} s of CPU", flush=True)
-        return folder
-    first = one(1)  # the steady flow is made once
-    with side_by_side(jobs) as pool:
-        return [first, *pool.map(one, range(2, seeds + 1))]
+    made = [Job(CASE, {**options, "-seed": seed}, out / f"seed_{seed:03d}", retry=True) for seed in range(1, seeds + 1)]
+
+    def ended(job, record):
+        if record["status"]:
+            raise BadInput(f"seed {job.options['-seed']}: {record['reason']}")
+        if record["fresh"]:
+            print(f"seed {job.options['-seed']}: {record['cpu_s']:.1f} s of CPU", flush=True)
+    run_all(made[:1], 1, ended)  # the steady flow is made once
+    run_all(made[1:], jobs, ended)
+    return [job.folder for job in made]
 
 
 def parser():
