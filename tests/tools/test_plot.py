@@ -126,9 +126,22 @@ def test_units_are_those_of_the_options(tmp_path):
     assert RunFolder(folder).units == {"length": "cm", "time": "s", "mass": "g"}
     for units, names in (({"-rho": "mg/mm3", "-dt": "s"}, ("mm", "mg")), ({"-rhof": "ng/um3", "-mu": "ng/(um ms)"}, ("um", "ng")),
         ({"-length": "m", "-penalty": "m s/kg"}, ("m", "kg")), ({"-reynolds": "", "-dt": "s", "-contact-tol": "mean radii"},
-            ("L", "M")), ({"-reynolds": "", "-outlet": "H", "-inlet": "h"}, ("L", "M"))):
+            ("L", "M")), ({"-reynolds": "", "-outlet": "H", "-inlet": "h"}, ("L", "M")), ({"-mu": "Pa s"}, ("m", "kg"))):
         (folder / "run.json").write_text(json.dumps({"case": "mine", "units": units}))
         assert (RunFolder(folder).units["length"], RunFolder(folder).units["mass"]) == names
+
+
+@pytest.mark.parametrize("units, declared, names", [
+    ({"-diameter": "mm", "-ratio": "", "-dt": "s"}, None, ("mm", "M", "s")),  # was kg/(mm s2)
+    ({"-diameter": "mm", "-restitution-speed": "m/s"}, None, ("mm", "M", "s")),  # the driver's own
+    ({"-diameter": "um", "-length": "m", "-mu": "Pa s"}, None, ("L", "kg", "s")),  # which of both the tables have is not told
+    ({"-size": "cm"}, None, ("cm", "M", "s")),
+    ({"-diameter": "um", "-length": "m"}, {"length": "mm", "mass": "ug", "time": "ms"}, ("mm", "ug", "ms"))])
+def test_units_are_not_mixed_by_guess(tmp_path, units, declared, names):
+    (tmp_path / "run.json").write_text(json.dumps({"case": "mine", "units": units, "base_units": declared}))
+    run = RunFolder(tmp_path)
+    assert (run.units["length"], run.units["mass"], run.units["time"]) == names
+    assert run.units_per_depth["pressure"] == "{1}/({0} {2}$^2$)".format(*names)
 
 
 @pytest.mark.parametrize("words", [["nothing"], [], ["tools"], ["tools", "--frames", "1"], ["tools", "--only", "all"]])
