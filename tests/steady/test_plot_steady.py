@@ -1,6 +1,5 @@
 """Pictures of steady flows."""
 import re
-
 import shutil
 
 import numpy as np

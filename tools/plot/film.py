@@ -81,7 +81,6 @@ def pictures(run, times, show="speed", colour=None, streamlines=False):
         heading.set_text(fitting([f"{run.title}, {time_text(t, second, times[-1])}{look.words()}", f"{run.title}, "
             f"{time_text(t, second, times[-1])}", time_text(t, second, times[-1])], inches[0]))
         if count == 0:
-            fold_powers(figure)
             centre(figure, heading)
         yield shot(figure)
     plt.close(figure)
@@ -89,6 +88,9 @@ def pictures(run, times, show="speed", colour=None, streamlines=False):
 
 def shot(figure):
     """A figure as a (height, width, 3) array of bytes, even in both sizes."""
+    if not getattr(figure, "folded", False):
+        fold_powers(figure)
+        figure.folded = True
     figure.canvas.draw()
     picture = np.asarray(figure.canvas.buffer_rgba())[:, :, :3]
     return np.ascontiguousarray(picture[:picture.shape[0] // 2 * 2, :picture.shape[1] // 2 * 2])
