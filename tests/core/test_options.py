@@ -157,3 +157,27 @@ def test_an_option_begins_with_a_dash(freefem_text):
 def test_the_name_of_a_case_names_a_folder(freefem_text):
     done = freefem_text(SCRIPT.replace('"trial"', '"my/trial"'), check=False)
     assert done.returncode == 3 and "holds a /" in done.stderr
+
+
+def test_a_case_declares_its_units_once(freefem_text, tmp_path):
+    text = """
+    include "lib/case.idp"
+    optCase("trial", "units");
+    optBaseUnits("mm", "mg", "ms");
+    real own = optPositive("-own", 1, "s", "an option of the case"), other = optPositive("-other", 1, "mm", "another");
+    optDriver();
+    real tEnd = optPositive("-tend", 1, "s", "end"), speed = optPositive("-speed", 1, "m/s", "a speed");
+    real most = optPositive("-maxwall", 1, "s", "of the wall clock"), length = optPositive("-width", 1, "m", "a length");
+    outDeclare();
+    optEnd();
+    outBegin("");
+    """
+    freefem_text(text, "-out", tmp_path / "run")
+    info = json.loads((tmp_path / "run" / "run.json").read_text())
+    assert info["base_units"] == {"length": "mm", "mass": "mg", "time": "ms"}
+    assert {name: info["units"][name] for name in ("-own", "-other", "-tend", "-speed", "-maxwall", "-width")} == {"-own": "s",
+        "-other": "mm", "-tend": "ms", "-speed": "mm/ms", "-maxwall": "s", "-width": "mm"}
+    for words, says in (('optBaseUnits("mm", "mg/mm", "s");', "each a word of letters"),
+        ('optDriver(); optBaseUnits("mm", "mg", "s");', "before the driver is included")):
+        done = freefem_text(text.replace('optBaseUnits("mm", "mg", "ms");', words), check=False)
+        assert done.returncode == 3 and says in done.stderr and done.stderr.count("\n") == 1

@@ -7,8 +7,8 @@ from tests.conftest import ROOT, run_tool
 
 # A room uses those on the floors before its own; the modules directly in tools/ and the room mesh are commands, which nothing
 # imports.
-FLOORS = ["base"], ["plot", "meshing", "setup", "compile_errors", "docs"], ["study", "transport", "flow", "many"], ["peers"], ["validation",
-    "stress"], ["bench"]
+FLOORS = (["base"], ["plot", "meshing", "setup", "compile_errors", "docs", "watching"], ["study", "transport", "flow", "many"],
+    ["peers"], ["validation", "stress"], ["bench"])
 FLOOR = {room: floor for floor, rooms in enumerate(FLOORS) for room in rooms}
 COMMANDS = sorted([path.stem for path in (ROOT / "tools").glob("*.py") if path.stem != "__init__"] + [path.parent.name
     for path in (ROOT / "tools").glob("*/__main__.py")])

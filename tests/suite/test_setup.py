@@ -118,18 +118,18 @@ def setup(tmp_path):
     for name in ("setup.sh", "requirements.txt"):
         shutil.copy(ROOT / "tools" / "setup" / name, tmp_path / "tools" / "setup")
 
-    def run(stand_ins, **environment):
+    def run(stand_ins, *words, **environment):
         folder = tmp_path / "bin"
         folder.mkdir()
         for name in TOOLS:
             found = shutil.which(name, path=os.environ["PATH"] + ":/sbin:/usr/sbin")
-            if found:
+            if found and name not in stand_ins:
                 (folder / name).symlink_to(found)
         for name, script in stand_ins.items():
             (folder / name).write_text(f"#!/bin/sh\n{script}\n")
             (folder / name).chmod(0o755)
         environment = {"PATH": str(folder), "HOME": str(tmp_path), "PYTHON": sys._base_executable} | environment
-        command = [str(tmp_path / "tools" / "setup" / "setup.sh")]
+        command = [str(tmp_path / "tools" / "setup" / "setup.sh"), *words]
         return subprocess.run(command, env=environment, cwd="/", capture_output=True, text=True, timeout=300,
             stdin=subprocess.DEVNULL)
 
@@ -154,6 +154,42 @@ def test_setup_without_apt_says_what_is_missing(setup):
     run = setup({"id": "echo 0"})
     assert run.returncode != 0
     assert "missing: freefem++" in run.stderr and len(run.stderr.splitlines()) == 1
+
+
+def test_setup_elsewhere_than_on_linux_asks_for_no_package_of_debian(setup):
+    """It named libglu1-mesa and libopenblas0-pthread, which are nothing there."""
+    run = setup({"uname": "echo Darwin"}, "--check")
+    missing = run.stdout.splitlines()
+    assert run.returncode == 1 and missing == ["missing: FreeFEM (FreeFem++)", "missing: Python packages of "
+        "tools/setup/requirements.txt in .venv"]
+
+
+def test_setup_elsewhere_than_on_linux_says_where_it_runs(setup):
+    run = setup({"uname": "echo Darwin", "apt-get": "echo must not run >&2; exit 1"})
+    assert run.returncode != 0 and len(run.stderr.splitlines()) == 1
+    assert "on Darwin" in run.stderr and "docs/guide/other_machines.md" in run.stderr and "lib" not in run.stderr
+
+
+def test_libraries_of_a_conda_environment_count(setup, tmp_path):
+    (tmp_path / "conda" / "lib").mkdir(parents=True)
+    (tmp_path / "conda" / "lib" / "libGLU.so.1").write_text("")
+    run = setup({"ldconfig": "exit 0", "FreeFem++": "exit 0"}, "--check", CONDA_PREFIX=str(tmp_path / "conda"))
+    assert "libglu1-mesa" not in run.stdout and "libgl1" in run.stdout
+
+
+def test_what_runs_elsewhere_names_files_that_are_there():
+    """The container file, the workflow and the environment are not run by the tests."""
+    container = (ROOT / "Containerfile").read_text()
+    copied = [word for line in re.findall(r"^COPY (.*) \S+$", container, flags=re.M) for word in line.split()]
+    assert "tools/setup/setup.sh" in copied and all((ROOT / word).exists() for word in copied)
+    assert re.search(r"^RUN tools/setup/setup.sh", container, flags=re.M) and 'CMD ["make", "run"]' in container
+    ignored = (ROOT / ".dockerignore").read_text().split()
+    assert {".venv", "results"} <= set(ignored) and not {"cases", "lib", "meshes", "tools"} & set(ignored)
+    workflow = (ROOT / ".github" / "workflows" / "test.yml").read_text()
+    assert "run: bash .ci/run" in workflow and (ROOT / ".ci" / "run").is_file()
+    needed = set(re.findall(r"lib([\w-]+)\.so", (ROOT / "tools" / "setup" / "setup.sh").read_text()))
+    listed = (ROOT / "environment.yml").read_text().lower()
+    assert {"GLU", "Xft", "fontconfig"} <= needed and not [name for name in needed if name.lower() not in listed]
 
 
 def test_setup_without_python_packages_says_what_to_install(setup):

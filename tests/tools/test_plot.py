@@ -12,12 +12,12 @@ from tools.base.command import BadInput
 from tools.base.mesh_files import chains
 from tools.base.run_folder import RunFolder
 from tools.base.tables import read_table
-from tools.plot import resolved as plot
+from tools.plot import resolved as plot, series as timeline
 from tools.plot.style import draw_outline, frame, panels, plt, save, speed_top
 
 
 def test_all_pictures_are_made(folder, tmp_path, capsys):
-    assert plot.main([str(folder), "--out", str(tmp_path / "new" / "figures")]) == 0
+    assert plot.main([str(folder), "--out", str(tmp_path / "new" / "figures"), "--frames", "9"]) == 0
     said = capsys.readouterr().out
     out = tmp_path / "new" / "figures"
     for name in ("fields.png", "trajectories.png", "series.png"):
@@ -126,9 +126,22 @@ def test_units_are_those_of_the_options(tmp_path):
     assert RunFolder(folder).units == {"length": "cm", "time": "s", "mass": "g"}
     for units, names in (({"-rho": "mg/mm3", "-dt": "s"}, ("mm", "mg")), ({"-rhof": "ng/um3", "-mu": "ng/(um ms)"}, ("um", "ng")),
         ({"-length": "m", "-penalty": "m s/kg"}, ("m", "kg")), ({"-reynolds": "", "-dt": "s", "-contact-tol": "mean radii"},
-            ("L", "M")), ({"-reynolds": "", "-outlet": "H", "-inlet": "h"}, ("L", "M"))):
+            ("L", "M")), ({"-reynolds": "", "-outlet": "H", "-inlet": "h"}, ("L", "M")), ({"-mu": "Pa s"}, ("m", "kg"))):
         (folder / "run.json").write_text(json.dumps({"case": "mine", "units": units}))
         assert (RunFolder(folder).units["length"], RunFolder(folder).units["mass"]) == names
+
+
+@pytest.mark.parametrize("units, declared, names", [
+    ({"-diameter": "mm", "-ratio": "", "-dt": "s"}, None, ("mm", "M", "s")),  # was kg/(mm s2)
+    ({"-diameter": "mm", "-restitution-speed": "m/s"}, None, ("mm", "M", "s")),  # the driver's own
+    ({"-diameter": "um", "-length": "m", "-mu": "Pa s"}, None, ("L", "kg", "s")),  # which of both the tables have is not told
+    ({"-size": "cm"}, None, ("cm", "M", "s")),
+    ({"-diameter": "um", "-length": "m"}, {"length": "mm", "mass": "ug", "time": "ms"}, ("mm", "ug", "ms"))])
+def test_units_are_not_mixed_by_guess(tmp_path, units, declared, names):
+    (tmp_path / "run.json").write_text(json.dumps({"case": "mine", "units": units, "base_units": declared}))
+    run = RunFolder(tmp_path)
+    assert (run.units["length"], run.units["mass"], run.units["time"]) == names
+    assert run.units_per_depth["pressure"] == "{1}/({0} {2}$^2$)".format(*names)
 
 
 @pytest.mark.parametrize("words", [["nothing"], [], ["tools"], ["tools", "--frames", "1"], ["tools", "--only", "all"]])
@@ -147,8 +160,8 @@ def test_the_names_of_the_series_are_no_longer_than_their_axes(tmp_path, monkeyp
     folder, drawn = write_run(tmp_path / "run", steps=20), []
     table = read_table(folder / "fluid.csv")
     write_csv(folder / "fluid.csv", [*table, "top_speed"], np.column_stack([*table.values(), np.ones(21)]))
-    monkeypatch.setattr(plot, "save", lambda figure, path: drawn.append(figure))
-    plot.plot_series(RunFolder(folder), None)
+    monkeypatch.setattr(timeline, "save", lambda figure, path: drawn.append(figure))
+    timeline.plot_series(RunFolder(folder), None)
     drawn[0].canvas.draw()
     assert len(drawn[0].axes) == 6
     for one in drawn[0].axes:
@@ -159,8 +172,8 @@ def test_the_names_of_the_series_are_no_longer_than_their_axes(tmp_path, monkeyp
 def test_a_series_of_one_row_is_a_mark(tmp_path, monkeypatch):
     write_csv(tmp_path / "fluid.csv", ["t", "flux_in", "flux_out", "kinetic_energy"], [[0.5, -1, 1, 2]])
     drawn = []
-    monkeypatch.setattr(plot, "save", lambda figure, path: drawn.append(figure))
-    plot.plot_series(RunFolder(tmp_path), None)
+    monkeypatch.setattr(timeline, "save", lambda figure, path: drawn.append(figure))
+    timeline.plot_series(RunFolder(tmp_path), None)
     lines = [line for one in drawn[0].axes for line in one.lines]
     assert len(lines) == 3 and all(line.get_marker() == "." for line in lines)
     plt.close(drawn[0])
@@ -169,11 +182,11 @@ def test_a_series_of_one_row_is_a_mark(tmp_path, monkeypatch):
 def test_a_flow_without_particles_has_no_panels_of_them(tmp_path):
     folder = write_run(tmp_path / "run", steps=20)
     table = read_table(folder / "fluid.csv")
-    assert {"number", "worst overlap / radius"} < {panel[0] for panel in plot.series(RunFolder(folder))}
+    assert {"number", "worst overlap / radius"} < {panel[0] for panel in timeline.series(RunFolder(folder))}
     for name in ("particles", "contacts"):
         table[name][:] = 0
     write_csv(folder / "fluid.csv", table, np.column_stack([*table.values()]))
-    assert [panel[0] for panel in plot.series(RunFolder(folder))] == ["flux (m$^2$/s)", "pressure drop (Pa)",
+    assert [panel[0] for panel in timeline.series(RunFolder(folder))] == ["flux (m$^2$/s)", "pressure drop (Pa)",
         "kinetic energy (J/m)"]
 
 
@@ -183,7 +196,7 @@ def test_what_rounding_lets_through_a_turning_cylinder_is_no_flux(run, monkeypat
     for factor in (1, 2e-17):
         table["flux_in"], table["flux_out"] = factor * table["flux_in"], factor * table["flux_out"]
         monkeypatch.setitem(run.__dict__, "fluid", table)
-        assert ("flux (m$^2$/s)" in [panel[0] for panel in plot.series(run)]) == (factor == 1)
+        assert ("flux (m$^2$/s)" in [panel[0] for panel in timeline.series(run)]) == (factor == 1)
 
 
 def test_the_title_of_paths_of_ellipses_gives_their_long_axis(tmp_path, monkeypatch):
@@ -294,9 +307,9 @@ def test_a_colour_bar_is_as_long_as_its_label(run, extent, draw, monkeypatch):
 
 def test_a_logarithmic_axis_has_two_labels_at_least(folder, tmp_path, monkeypatch):
     seen = []
-    monkeypatch.setattr(plot, "save", lambda figure, path: seen.append(figure))
-    monkeypatch.setattr(plot, "series", lambda run: [("norm", [("", np.linspace(0.05, 0.6, len(run.fluid["t"])))], True)])
-    plot.plot_series(RunFolder(folder), tmp_path / "series.png")
+    monkeypatch.setattr(timeline, "save", lambda figure, path: seen.append(figure))
+    monkeypatch.setattr(timeline, "series", lambda run: [("norm", [("", np.linspace(0.05, 0.6, len(run.fluid["t"])))], True)])
+    timeline.plot_series(RunFolder(folder), tmp_path / "series.png")
     axes, = seen[0].axes
     low, high = axes.get_ylim()
     assert sum(low <= tick <= high for tick in axes.get_yticks()) >= 2 and axes.get_position().width > 0.6

@@ -5,7 +5,7 @@ from tests.conftest import run_tool
 from tests.synthetic import write_csv, write_run
 from tools.base.command import BadInput
 from tools.base.run_folder import RunFolder
-from tools.plot import resolved as plot, contacts as plot_contacts, transport as plot_transport
+from tools.plot import resolved as plot, contacts as plot_contacts, series as timeline, transport as plot_transport
 from tools.plot.style import plt
 
 
@@ -69,8 +69,8 @@ def test_an_energy_of_nothing_is_not_drawn_as_one(tmp_path, monkeypatch):
 @pytest.mark.parametrize("t_end", [0.15, 0.35, 0.2, 4e4])
 def test_the_labels_of_time_keep_apart(tmp_path, monkeypatch, t_end):
     folder, drawn = write_run(tmp_path / "run", steps=20, t_end=t_end), []
-    monkeypatch.setattr(plot, "save", lambda figure, path: drawn.append(figure))
-    plot.plot_series(RunFolder(folder), None)
+    monkeypatch.setattr(timeline, "save", lambda figure, path: drawn.append(figure))
+    timeline.plot_series(RunFolder(folder), None)
     figure = drawn[0]
     figure.canvas.draw()
     for one in figure.axes:

@@ -15,6 +15,7 @@ import numpy as np
 from tools.base.command import BadInput
 
 # Numbers of tools/meshing/labels.py.
+SIDES = {1: "inlet", 2: "outlet", 11: "left", 12: "right", 13: "bottom", 14: "top"}  # names of sides that fluid may pass
 OPEN = (1, 2)  # labels through which fluid passes
 AXIS = 8  # label of an axis or a plane of symmetry
 SOLID = (4, 5, 6)  # labels of bodies that stand in the flow

@@ -25,15 +25,16 @@ SI = {"length": "m", "time": "s", "mass": "kg"}
 SYMBOLS = {"length": "L", "time": "T", "mass": "M"}  # of a case whose own parameters have no units
 SMALLER = {"length": ("cm", "mm", "um", "nm", "km"), "time": ("ms", "us", "ns", "min"), "mass": ("g", "mg", "ug", "ng", "pg", "fg",
     "t")}
-RELATIVE = {"rad", "H", "h", "mean", "radii"}  # angles, and lengths over one of the scene
-DRIVER = {"-tend", "-dt", "-every", "-fields", "-maxwall", "-penalty"}  # options with units that every case has, whatever its own
+JOINT = {"Pa", "N", "J", "W"}  # units of SI that are made of the three
+DRIVER = {"-tend", "-dt", "-every", "-fields", "-maxwall", "-penalty", "-cohesion", "-restitution-speed", "-coupling-width",
+    "-depth"}  # options of drivers with units, whatever those of the case
 NEEDED = {"particles": "t id x y theta radius", "fluid": "t", "contacts": "t i j", "shapes": "id major minor", "steps": "t",
     "exits": "id t outlet",
           "motion": "step t kinetic_energy potential_energy worst_gap", "walls": "x1 y1 x2 y2", "wallmoves": "t wall x1 y1 x2 y2",
           "wall": "x side shear pressure", "zones": "side separation reattachment"}  # columns without which a table says nothing
 KINDS = {"parameters": (dict, "an object in braces"), "units": (dict, "an object in braces"),
-    "period": (list, "two numbers in brackets"), "low": (list, "two numbers in brackets"), "open": (list, "labels in brackets"),
-    "sides": (dict, "an object in braces")}
+    "base_units": (dict, "an object in braces"), "sides": (dict, "an object in braces"),
+    "period": (list, "two numbers in brackets"), "low": (list, "two numbers in brackets"), "open": (list, "labels in brackets")}
 
 
 def own(path):
@@ -115,17 +116,25 @@ class RunFolder(Arrays):
 
     @cached_property
     def units(self):
-        """Names of the units of length, time and mass: those of which the case's own options (run.json: units)
-        speak, else those of SI (g with cm); L, T and M where none of these options has a unit but heights, radii or angles."""
+        """Names of the units of length, time and mass: those that the case has declared (run.json: base_units), else those of which
+        its own options (run.json: units) speak, where they speak of one. A kind of which they do not speak has the unit of SI if all
+        others do, time that of the driver's options, and else a letter: L, T or M. So has a kind with several units, and all where
+        no option has a unit but angles and lengths of the scene (radii, heights)."""
+        if declared := self.info.get("base_units"):
+            return {kind: str(declared.get(kind) or SYMBOLS[kind]) for kind in SI}
         own = [str(unit) for name, unit in (self.info.get("units") or {}).items() if name not in DRIVER
             and not name.startswith("-contact-")]
         words = set(re.findall("[A-Za-z]+", " ".join(own)))
-        if own and words <= RELATIVE:
+        if not own:
+            return SI
+        named = {kind: [name for name in (SI[kind], *SMALLER[kind]) if name in words] for kind in SI}
+        if words & JOINT:  # Pa s, N: of SI throughout
+            named = {kind: named[kind] + [SI[kind]] * (SI[kind] not in named[kind]) for kind in SI}
+        if not any(named.values()):
             return SYMBOLS
-        names = {kind: next((name for name in choices if name in words), SI[kind]) for kind, choices in SMALLER.items()}
-        if names["length"] == "cm" and "kg" not in words and names["mass"] == "kg":
-            names["mass"] = "g"
-        return names
+        usual = all(SI[kind] in names for kind, names in named.items() if names)
+        standard = {kind: SI[kind] if usual or kind == "time" else SYMBOLS[kind] for kind in SI}
+        return {kind: names[0] if len(names) == 1 else SYMBOLS[kind] if names else standard[kind] for kind, names in named.items()}
 
     @property
     def units_per_depth(self):

@@ -21,6 +21,7 @@ import numpy as np
 from tools.base.command import BadInput, Parser, whole
 from tools.base.run_folder import RunFolder, own
 from tools.base.tables import write_text
+from tools.plot.colour import known
 from tools.plot.film import thinned
 
 CORNERS = 72  # of a polygon: its area is 0.13 % below that of the particle
@@ -105,19 +106,6 @@ def polygons(run, time, bodies, forces):
     values["contact_force"] = pushed
     cells = np.arange(number * CORNERS).reshape(number, CORNERS)
     return meshio.Mesh(points.reshape(-1, 3), [("polygon", cells)], cell_data={name: [value] for name, value in values.items()})
-
-
-def known(run, ids):
-    """{"density": (n,), "free": (n,)} of particles by id, as far as entries.csv has these columns; nan for others than its ids."""
-    if not run.has("entries"):
-        return {}
-    table = run.columns("entries", "id")
-    found = {}
-    for name in ("density", "free"):
-        if name in table:
-            of = dict(zip(table["id"].astype(int), table[name]))
-            found[name] = np.array([of.get(int(one), np.nan) for one in ids], float)
-    return found
 
 
 def write_series(folder, name, meshes):

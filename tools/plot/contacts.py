@@ -91,7 +91,7 @@ def nearest(run, times):
     return sorted({int(np.abs(run.times - t).argmin()) for t in times})
 
 
-def chosen(run, number=7):
+def chosen(run, number=8):
     """Times to show: those of the figure of falling particles where the run reaches them."""
     end = run.times[-1]
     return FIGURE_TIMES if abs(end - 100) < 1 else np.linspace(run.times[0], end, number)
@@ -212,7 +212,12 @@ def plot_energy(run, path):
     """Kinetic and potential energy, and overlap, in time."""
     motion = run.columns("motion")
     t = motion["t"]
-    figure, (top, low) = plt.subplots(2, 1, figsize=(PAGE_WIDTH, 4.6), sharex=True, layout="constrained")
+    radius = run.particles["radius"].min()
+    overlap = np.where(motion["worst_gap"] < -ROUNDING * radius, -motion["worst_gap"] / radius, np.nan)
+    some = np.isfinite(overlap).any()
+    figure, axes = plt.subplots(1 + some, 1, figsize=(PAGE_WIDTH, 4.6 if some else 2.9), sharex=True, layout="constrained",
+        squeeze=False)
+    top, low = axes[0, 0], axes[-1, 0]
     fallen = motion["potential_energy"] - motion["potential_energy"].min()
     floor = 1e-6 * max(motion["kinetic_energy"].max(), fallen.max(), 1e-300)
     for k, (values, name) in enumerate(((motion["kinetic_energy"], "kinetic"), (fallen, "potential, above its least"))):
@@ -221,17 +226,14 @@ def plot_energy(run, path):
     top.set_ylim(bottom=floor)
     top.set_ylabel(f"energy per depth\n({run.units_per_depth['energy']})")
     top.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)  # a run that ends before rest has curves everywhere
-    radius = run.particles["radius"].min()
-    overlap = np.where(motion["worst_gap"] < -ROUNDING * radius, -motion["worst_gap"] / radius, np.nan)
-    low.set(xlabel=f"t ({run.units['time']})", ylabel="greatest overlap /\nsmallest radius")
-    if np.isfinite(overlap).any():
+    low.set_xlabel(f"t ({run.units['time']})")
+    if some:
         low.semilogy(t, overlap, marker=".", **curve(0))
-    else:
-        low.text(0.5, 0.5, f"no overlap above {ROUNDING:g} at any time", transform=low.transAxes, ha="center", va="center")
-        low.set_yticks([])
-    for axes in (top, low):
-        axes.grid(True)
-    figure.suptitle(f"{run.title}: energy and overlap", fontsize=10)
+        low.set_ylabel("greatest overlap /\nsmallest radius")
+    for one in axes.flat:
+        one.grid(True)
+    figure.suptitle(f"{run.title}: energy and overlap" if some else f"{run.title}: energy (no overlap above {ROUNDING:g} radii)",
+        fontsize=10)
     return save(figure, path)
 
 

@@ -2,8 +2,9 @@
 
 Drawn by python -m tools.plot RUN --only film.
 
-make_film(run, out) -> path. One frame per field file (per particle output where the run
-has no fields), thinned to `most`; the colour scale is one for the whole film.
+make_film(run, out) -> path. One frame per field file, or per row of the tables where bodies
+move and there are more rows than fields: the fields between two files are then linear in time
+(in_time.py). Thinned to `most`; the colour scale is one for the whole film.
 """
 from pathlib import Path
 
@@ -11,8 +12,11 @@ import numpy as np
 
 from tools.base.command import BadInput
 from tools.base.run_folder import own
-from tools.plot.style import (draw_boundary, draw_speed, draw_streamlines, fitting, frame, label_of, lowest_with, panels,
-    particle_artists, plt, scale_of, shown_of, time_text)
+from tools.plot.captions import centre, fold_powers, second_bar
+from tools.plot.colour import Look
+from tools.plot.in_time import FieldsInTime, film_times
+from tools.plot.style import (MARGINS, TWO_BARS, draw_boundary, draw_speed, draw_streamlines, fitting, frame, label_of, lowest_with,
+    panels, particle_artists, plt, scale_of, shown_of, time_text)
 
 DPI = 160
 
@@ -29,50 +33,64 @@ def frame_rate(number):
     return int(np.clip(number / 12, 4, 25))
 
 
-def pictures(run, frames, show="speed"):
-    """The frames one by one, each a shot(); show: what of the fields is drawn, one of SHOWN."""
+def pictures(run, times, show="speed", colour=None, streamlines=False):
+    """The frames at the times one by one, each a shot(); show: what of the fields is drawn, one of SHOWN; colour: of the bodies,
+    see Look; streamlines: over the fields."""
     length, second = run.units["length"], run.units["time"]
-    numbers = [k for _, k in frames]
-    with_velocity = all(k is not None for k in numbers)
-    scale, extend, lines = None, "neither", None
+    fields, lines, with_velocity = FieldsInTime(run), streamlines or show == "stream", bool(run.fields)
+    scale, extend, levels, look = None, "neither", None, Look(run, colour)
+    if lines and not with_velocity:
+        raise BadInput(f"the run {run.folder} wrote no fields, of which streamlines are drawn (-fields SECONDS)")
     if with_velocity:
-        sample = sorted(set(np.linspace(0, len(numbers) - 1, min(12, len(numbers))).astype(int)))
-        scale, extend = scale_of([shown_of(run.field(numbers[k])[1], show, run) for k in sample], show)
-    label = label_of(show, run.units)
-    figure, (axes,), bar = panels(1, run.extent, height=6.4, lowest=lowest_with(label))
+        sample = sorted(set(np.linspace(0, len(run.fields) - 1, min(12, len(run.fields))).astype(int)))
+        known = [run.field(k)[1] for k in sample]
+        scale, extend = scale_of([shown_of(values, show, run) for values in known], show)
+        levels = scale_of([shown_of(values, "stream", run) for values in known], "stream")[0] if lines else None
+    label, both = label_of(show, run.units), with_velocity and look.label
+    figure, (axes,), bar = panels(1, run.extent, height=6.4, margins=TWO_BARS if both else MARGINS, lowest=lowest_with(label
+        if with_velocity else look.label or ""))
     figure.set_dpi(DPI)
     draw_boundary(axes, run)
     frame(axes, run.extent, length)
     inches = figure.get_size_inches()
     heading = figure.text(0.5, axes.get_position().y1 + 0.06 / inches[1], "", ha="center", va="bottom")
-    drawn, shape, bodies = None, None, []
-    for t, k in frames:
+    if look.label:
+        look.draw_bar(figure, second_bar(figure, bar) if both else bar)
+    elif not with_velocity:
+        bar.remove()
+    drawn, mesh_drawn, contours, bodies = None, None, None, []
+    for count, t in enumerate(times):
         for artist in bodies:
             artist.remove()
         if with_velocity:
-            mesh, values = run.field(k)
-            same = shape is not None and np.array_equal(mesh.triangles, shape)
-            if drawn is not None and same:
+            mesh, values = fields.at(t)
+            if drawn is not None and np.array_equal(mesh.triangles, mesh_drawn):
                 drawn.set_array(shown_of(values, show, run))
             else:
                 if drawn is not None:
                     drawn.remove()
-                drawn, shape = draw_speed(axes, mesh, shown_of(values, show, run), **scale), mesh.triangles
+                drawn, mesh_drawn = draw_speed(axes, mesh, shown_of(values, show, run), **scale), mesh.triangles
                 figure.colorbar(drawn, cax=bar, extend=extend).set_label(label)
-            if lines is not None:
-                lines.remove()
-            lines = draw_streamlines(axes, mesh, shown_of(values, show, run), scale) if show == "stream" else None
-        elif bar is not None:
-            bar.remove()
-            bar = None
-        bodies = particle_artists(axes, run.particles_at(t), clip=run.clip, spokes=run.turns) if run.has("particles") else []
-        heading.set_text(fitting([f"{run.title}, {time_text(t, second)}", time_text(t, second)], inches[0]))
+            if contours is not None:
+                contours.remove()
+            contours = draw_streamlines(axes, mesh, shown_of(values, "stream", run), levels, "#505050" if show == "vorticity"
+                else "white") if lines else None
+        particles = run.particles_at(t) if run.has("particles") else None
+        bodies = [] if particles is None else particle_artists(axes, particles, clip=run.clip, spokes=run.turns,
+            look=look.at(particles, t))
+        heading.set_text(fitting([f"{run.title}, {time_text(t, second, times[-1])}{look.words()}", f"{run.title}, "
+            f"{time_text(t, second, times[-1])}", time_text(t, second, times[-1])], inches[0]))
+        if count == 0:
+            centre(figure, heading)
         yield shot(figure)
     plt.close(figure)
 
 
 def shot(figure):
     """A figure as a (height, width, 3) array of bytes, even in both sizes."""
+    if not getattr(figure, "folded", False):
+        fold_powers(figure)
+        figure.folded = True
     figure.canvas.draw()
     picture = np.asarray(figure.canvas.buffer_rgba())[:, :, :3]
     return np.ascontiguousarray(picture[:picture.shape[0] // 2 * 2, :picture.shape[1] // 2 * 2])
@@ -126,7 +144,7 @@ def write_film(out, shots, rate, gif=False):
     return own(path)
 
 
-def make_film(run, out, most=300, gif=False, show="speed"):
-    """Write film.mp4 or film.gif into the folder `out`; returns its path."""
-    frames = thinned(run, run.frames, most)
-    return write_film(out, pictures(run, frames, show), frame_rate(len(frames)), gif)
+def make_film(run, out, most=300, gif=False, **look):
+    """Write film.mp4 or film.gif into the folder `out`; returns its path. look: show, colour, streamlines of pictures()."""
+    times = thinned(run, list(film_times(run)), most)
+    return write_film(out, pictures(run, times, **look), frame_rate(len(times)), gif)

@@ -1,25 +1,33 @@
-"""Pictures of a run: velocity and particles at six times, trajectories, time series, film.
+"""Pictures of a run: velocity and particles at six times, trajectories, time series, force chains, film.
 
-    python -m tools.plot RUN [--out DIR] [--no-film] [--only fields trajectories series film] [--show vorticity]
+    python -m tools.plot RUN [--out DIR] [--no-film] [--only fields trajectories series chains film outlines]
+        [--show vorticity] [--streamlines] [--colour density] [--times 0.1 0.2]
 
-Writes fields.png, trajectories.png, series.png and film.mp4 (a gif where no mp4 can be
-made) into DIR, by default the run folder itself, and prints where they are. What a run
-does not hold (no particles, no field files) is left out and said.
+Writes fields.png, trajectories.png, series.png, chains.png (forces of contacts at the last time
+with contacts) and film.mp4 (a gif where no mp4 can be made) into DIR, by default the run folder
+itself, and prints where they are; with --times also outlines.png, the bodies at all these times
+in one panel. What a run does not hold (no particles, no field files, no contacts) is left out
+and said. Held bodies are hatched. Bodies stand where they are at the time of a picture; fields
+between two snapshots are linear in time.
 """
 from functools import partial
 from pathlib import Path
 
 import numpy as np
-from matplotlib.ticker import MaxNLocator, NullFormatter
 
-from tools.base.command import BadInput, Parser, whole
-from tools.plot.film import make_film
-from tools.plot.style import (LINE_MAP, PAGE_WIDTH, ROUNDING, SHOWN, clip_to, curve, draw_boundary, draw_speed, draw_streamlines,
-    fitting, frame, headline, label_of, lowest_with, panels, particle_artists, plt, save, scale_of, shown_of, time_text)
-from tools.base.quantities import closed
+from tools.base.command import BadInput, Parser, non_negative, whole
 from tools.base.run_folder import RunFolder
+from tools.plot.captions import headline, second_bar
+from tools.plot.colour import COLOURS, Look
+from tools.plot.film import make_film
+from tools.plot.in_time import FieldsInTime
+from tools.plot.overlays import plot_chains, plot_outlines
+from tools.plot.series import plot_series, series
+from tools.plot.style import (LINE_MAP, MARGINS, SHOWN, TWO_BARS, clip_to, draw_boundary, draw_speed, draw_streamlines, fitting,
+    frame, label_of, lowest_with, panels, particle_artists, plt, save, scale_of, shown_of, time_text, title)
 
-MADE = ("fields", "trajectories", "series", "film")
+MADE = ("fields", "trajectories", "series", "chains", "film")
+ASKED = ("outlines",)  # with --times or --only
 
 
 def spread(frames, number=6):
@@ -37,45 +45,52 @@ def spread(frames, number=6):
     return picked
 
 
-def plot_fields(run, path, number=6, show="speed"):
-    """What of the fields is shown (SHOWN), with the particles at six times and one colour bar."""
-    chosen = spread(run.frames, number)
+def plot_fields(run, path, number=6, show="speed", colour=None, streamlines=False, times=None):
+    """What of the fields is shown (SHOWN), with the particles at six times, or at those given, and one colour bar; a second one
+    where bodies have colours (COLOURS). streamlines: of the velocity, over whatever is shown."""
+    fields_at = FieldsInTime(run)
+    chosen = spread(run.frames, number) if times is None else [(t, 0 if run.fields else None) for t in times]
     if not chosen:
         raise BadInput(f"the run {run.folder} has neither fields nor particles to draw")
     length, second = run.units["length"], run.units["time"]
-    fields = [None if k is None else run.field(k) for _, k in chosen]
-    with_velocity = all(field is not None for field in fields)
+    with_velocity = all(k is not None for _, k in chosen)
+    fields = [fields_at.at(t) if with_velocity else None for t, _ in chosen]
+    lines = streamlines or show == "stream"
+    if lines and not with_velocity:
+        raise BadInput(f"the run {run.folder} wrote no fields, of which streamlines are drawn (-fields SECONDS)")
     if with_velocity:
         drawn_values = [shown_of(values, show, run) for _, values in fields]
         scale, extend = scale_of(drawn_values, show)
-    label = label_of(show, run.units)
-    figure, axes, bar = panels(len(chosen), run.extent, lowest=lowest_with(label) if with_velocity else 0.0)
+        streams = [shown_of(values, "stream", run) for _, values in fields] if lines else None
+        levels = scale_of(streams, "stream")[0] if lines else None
+    look, label = Look(run, colour), label_of(show, run.units)
+    both = with_velocity and look.label
+    figure, axes, bar = panels(len(chosen), run.extent, margins=TWO_BARS if both else MARGINS, lowest=lowest_with(label
+        if with_velocity else look.label) if with_velocity or look.label else 0.0)
     drawn = None
     for k, (one, (t, _), field) in enumerate(zip(axes, chosen, fields)):
         if with_velocity:
             drawn = draw_speed(one, field[0], drawn_values[k], **scale)
-            if show == "stream":
-                draw_streamlines(one, field[0], drawn_values[k], scale)
+            if lines:
+                draw_streamlines(one, field[0], streams[k], levels, "#505050" if show == "vorticity" else "white")
         draw_boundary(one, run)
         if run.has("particles"):
-            particle_artists(one, run.particles_at(t), clip=run.clip, spokes=run.turns)
+            particles = run.particles_at(t)
+            particle_artists(one, particles, clip=run.clip, spokes=run.turns, look=look.at(particles, t))
         frame(one, run.extent, length)
         when = time_text(t, second, chosen[-1][0])
         one.set_title(fitting([when, when[4:], when.split()[2], f"{t:.2g}"], one.room - 0.1), pad=3)
     if drawn is not None:
         figure.colorbar(drawn, cax=bar, extend=extend).set_label(label)
-    else:
+    if look.label:
+        look.draw_bar(figure, second_bar(figure, bar) if both else bar)
+    elif drawn is None:
         bar.remove()
     name = {"speed": "velocity", "stream": "streamlines"}.get(show, show)
-    what = f"{name} and particles" if with_velocity and run.has("particles") else name if with_velocity else "particles"
+    what = f"{name} and particles{look.words()}" if with_velocity and run.has("particles") else name if with_velocity \
+        else f"particles{look.words()}"
     headline(figure, title(run, what, figure.get_figwidth()))
     return save(figure, path)
-
-
-def title(run, what, inches):
-    """'case: what', or only the case where the figure is too narrow for both."""
-    text = f"{run.title}: {what}"
-    return text if len(text) * 0.075 < inches else what
 
 
 def broken(track, extent, period=(0, 0)):
@@ -102,7 +117,8 @@ def plot_trajectories(run, path):
     label = f"{size} ({length})"
     figure, (axes,), bar = panels(1, run.extent, height=6.0, lowest=lowest_with(label) if several else 0.0)
     scale = plt.Normalize(low, high) if several else plt.Normalize(0.5 * low, 1.5 * high)
-    ends, colours, last = [], [], max([track["t"][-1] for track in tracks] + [run.columns(name)["t"].max(initial=0)
+    look, ends, colours, stays = Look(run), [], [], []
+    last = max([track["t"][-1] for track in tracks] + [run.columns(name)["t"].max(initial=0)
         for name in ("fluid", "steps") if run.has(name)])
     for track, diameter in zip(tracks, diameters):
         colour = LINE_MAP(scale(diameter))
@@ -112,14 +128,15 @@ def plot_trajectories(run, path):
         if track["t"][-1] < last * (1 - 1e-9):
             continue
         colours.append(colour)
+        stays.append(int(track["id"][0]) in look.fixed)
         ends.append([0] + [track[name][-1] for name in ("x", "y", "theta", "radius")] + [track["radius"][-1]
             * run.aspect(track["id"][0])])
     ends = np.array(ends, dtype=float).reshape(-1, 6)
     ends[:, 0] = np.arange(len(ends))
     ends = run.images(ends)
-    for artist in particle_artists(axes, ends.T, zorder=5, clip=run.clip, spokes=run.turns)[:1]:
-        artist.set_facecolor([colours[int(k)] for k in ends[:, 0]])
-        artist.set_alpha(0.75)
+    held = np.array([stays[int(k)] for k in ends[:, 0]], bool)
+    particle_artists(axes, ends.T, zorder=5, clip=run.clip, spokes=run.turns, look=([(*colours[int(k)][:3], 0.75)
+        for k in ends[:, 0]], held))
     draw_boundary(axes, run)
     frame(axes, run.extent, length)
     if several:
@@ -131,85 +148,8 @@ def plot_trajectories(run, path):
     number = f"{count} particles" if count > 1 else "one particle" if count else "fixed particles"
     if not several:
         number += f", {size} {low:.4g} {length}"
+    number += look.words() if any(stays) else ""
     headline(figure, title(run, ("path of " if count == 1 else "paths of " if count else "") + number, figure.get_figwidth()))
-    return save(figure, path)
-
-
-def series(run):
-    """The panels of the time series: [(label of the axis, [(name, values)], log scale)];
-    a column that the run did not write is left out."""
-    table = run.fluid
-    length, second = run.units["length"], run.units["time"]
-    pressure, energy = run.units_per_depth["pressure"], run.units_per_depth["energy"]
-
-    def there(*pairs):
-        return [(name, table[column]) for column, name in pairs if column in table]
-    fluxes = there(("flux_in", "inlet"), ("flux_out", "outlet"))
-    if fluxes and closed(run, max(abs(v).max(initial=0) for _, v in fluxes)):
-        fluxes = []
-    wanted = [
-        (f"flux ({length}$^2$/{second})", fluxes, False),
-        (f"pressure drop ({pressure})", there(("pressure_drop", "")), False),
-        (f"kinetic energy ({energy})", there(("kinetic_energy", "")), False),
-        ("number", there(("particles", "particles inside"), ("contacts", "contacts")), False),
-    ]
-    if "worst_gap" in table and np.any(table.get("particles", 1)):
-        overlap = np.maximum(0.0, -table["worst_gap"])
-        smallest = run.particles["radius"].min() if run.has("particles") and len(run.particles["t"]) else None
-        overlap[overlap < ROUNDING * (smallest or 1.0)] = 0.0
-        label = "worst overlap / radius" if smallest else f"worst overlap ({length})"
-        wanted.append((label, [("", overlap / (smallest or 1.0))], True))
-    if "divergence" in table and "top_speed" in table:
-        speed = np.where(table["top_speed"] > 0, table["top_speed"], np.nan)
-        wanted.append(("norm of div u /\nlargest speed", [("", table["divergence"] / speed)], True))
-    def tells(label, curves):  # a closed box has no flux and no pressure drop, a flow alone no particles
-        return any(np.isfinite(v).any() and (v.any() or label not in (wanted[0][0], wanted[1][0], "number")) for _, v in curves)
-    return [panel for panel in wanted if tells(*panel[:2])]
-
-
-def plot_series(run, path):
-    """fluid.csv over time; overlaps are over the smallest radius."""
-    wanted = series(run)
-    t = run.fluid["t"]
-    if not wanted or not len(t):
-        raise BadInput(f"{run.folder / 'fluid.csv'} has no rows or none of the columns that are drawn")
-    columns = min(len(wanted), 2)
-    rows = -(-len(wanted) // columns)
-    figure, axes = plt.subplots(rows, columns, figsize=(PAGE_WIDTH, 0.5 + 1.75 * rows), sharex=True, layout="constrained",
-                                squeeze=False)
-    for one, (label, curves, log) in zip(axes.flat, wanted):
-        for k, (name, values) in enumerate(curves):
-            one.plot(t, np.where(values > 0, values, np.nan) if log else values, label=name, **curve(k),
-                     **({"marker": ".", "markersize": 3 if len(t) > 1 else 7} if len(t) == 1 or log
-                         and (len(t) <= 150 or np.count_nonzero(values > 0) <= 150) else {}))
-        if log and any((values > 0).any() for _, values in curves):
-            one.set_yscale("log")
-            one.yaxis.set_minor_formatter(NullFormatter())
-            low, high = one.get_ylim()
-            if np.floor(np.log10(high)) - np.ceil(np.log10(low)) < 1:  # two labelled ticks at least
-                one.set_ylim(10 ** np.floor(np.log10(low)), 10 ** np.ceil(np.log10(high)))
-        elif log:
-            one.text(0.5, 0.5, f"below {ROUNDING:g} throughout" if "overlap" in label else "zero throughout",
-                transform=one.transAxes, ha="center", va="center")
-            one.set_yticks([])
-        if len(curves) > 1:  # in a row above the curves
-            low, high = one.get_ylim()
-            one.set_ylim(low, high + 0.2 * (high - low))
-            one.legend(loc="upper center", ncols=len(curves))
-        if label == "number":
-            one.yaxis.set_major_locator(MaxNLocator(integer=True))
-        one.set_ylabel(label)
-        one.grid(True)
-    for one in axes.flat[len(wanted):]:
-        one.remove()
-    for one in axes.flat:  # wide labels, such as 0.025, would run together
-        one.xaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
-    for column in range(columns):
-        shown = [row for row in range(rows) if columns * row + column < len(wanted)]
-        if shown:
-            axes[shown[-1], column].set_xlabel(f"t ({run.units['time']})")
-            axes[shown[-1], column].tick_params(labelbottom=True)
-    figure.suptitle(f"{run.title}: time series", fontsize=10)
     return save(figure, path)
 
 
@@ -218,13 +158,50 @@ def parser():
     options = Parser(prog="python -m tools.plot", description=__doc__)
     options.add_argument("run", help="run folder, such as results/pipe_obstacles/default")
     options.add_argument("--out", metavar="DIR", help="where the pictures go (default: the run folder)")
-    options.add_argument("--only", nargs="+", choices=MADE, metavar="WHAT", help="some of: " + ", ".join(MADE))
+    options.add_argument("--only", nargs="+", choices=MADE + ASKED, metavar="WHAT", help="some of: " + ", ".join(MADE + ASKED))
     options.add_argument("--show", choices=SHOWN, default="speed", help="of the fields, in picture and film: " + ", ".join(SHOWN)
         + " (default speed)")
+    options.add_argument("--colour", choices=COLOURS, help="of the bodies, in picture and film: " + ", ".join(COLOURS)
+        + " (default: none)")
+    options.add_argument("--streamlines", action="store_true", help="streamlines over the fields, in picture and film")
+    options.add_argument("--times", nargs="+", type=non_negative, metavar="T",
+        help="times of the fields, the outlines and the chains")
     options.add_argument("--no-film", action="store_true", help="no film")
     options.add_argument("--gif", action="store_true", help="the film as a gif even where an mp4 can be made")
     options.add_argument("--frames", type=whole(2), default=300, metavar="N", help="most frames of the film (default 300)")
     return options
+
+
+def given_times(run, times):
+    """The times in order, none twice. Raises BadInput for one beyond the run."""
+    if times is None:
+        return None
+    ends = [t for t, _ in run.frames] + [float(run.particles["t"].max(initial=0))] * run.has("particles")
+    first, last = min(ends, default=0), max(ends, default=0)
+    for t in times:
+        if not first * (1 - 1e-9) <= t <= last * (1 + 1e-9):
+            raise BadInput(f"--times: {t:g} is not between {first:g} and {last:g} {run.units['time']}, the first and the last time "
+                f"that can be drawn")
+    return sorted(set(times))
+
+
+def why_not(run, name):
+    """Why a picture cannot be made, None where it can."""
+    bodies = run.has("particles") and len(run.particles["t"])
+    if name in ("fields", "film") and not run.frames:
+        return "no field files and no particles (fields are written when asked for)"
+    if name in ("trajectories", "outlines", "chains") and not bodies:
+        return "no rows in particles.csv"
+    if name == "chains" and not (run.has("contacts") and {"gap", "nx", "ny", "impulse"} <= set(run.contacts)
+            and len(run.contacts["t"])):
+        return "no contacts"
+    if name == "series" and run.has("steps") and not run.has("fluid"):
+        return "a transport run has no fluid.csv (python -m tools.plot_transport draws the particles over the flow)"
+    if name == "series" and not (run.has("fluid") and len(run.fluid["t"]) and series(run)):
+        return "no rows in fluid.csv"
+    if name == "film" and len(run.frames) < 2:
+        return "only one time to show"
+    return None
 
 
 def main(words=None):
@@ -235,32 +212,23 @@ def main(words=None):
         raise BadInput(f"{given.run} is a steady flow; python -m tools.plot_steady draws it")
     if run.has("motion"):
         raise BadInput(f"{given.run} is a run of contacts alone; python -m tools.plot_contacts draws it")
+    times = given_times(run, given.times)
     run.warn_unfinished()
     out = Path(given.out or given.run)
     out.mkdir(parents=True, exist_ok=True)
-    wanted = [name for name in (given.only or MADE) if not (name == "film" and given.no_film)]
+    wanted = [name for name in (given.only or MADE + ASKED * bool(times)) if not (name == "film" and given.no_film)]
+    look = {"show": given.show, "colour": given.colour}
+    draw = {"fields": partial(plot_fields, streamlines=given.streamlines, times=times, **look), "trajectories": plot_trajectories,
+        "series": plot_series, "outlines": partial(plot_outlines, times=times), "chains": partial(plot_chains, times=times)}
     made = 0
     for name in wanted:
-        if name in ("fields", "film") and not run.frames:
-            reason = "no field files and no particles (fields are written when asked for)"
-        elif name == "trajectories" and not (run.has("particles") and len(run.particles["t"])):
-            reason = "no rows in particles.csv"
-        elif name == "series" and run.has("steps") and not run.has("fluid"):
-            reason = "a transport run has no fluid.csv (python -m tools.plot_transport draws the particles over the flow)"
-        elif name == "series" and not (run.has("fluid") and len(run.fluid["t"]) and series(run)):
-            reason = "no rows in fluid.csv"
-        elif name == "film" and len(run.frames) < 2:
-            reason = "only one time to show"
-        else:
-            reason = None
-        if reason:
+        if reason := why_not(run, name):
             print(f"{name}: left out, {reason}")
             continue
         if name == "film":
-            path = make_film(run, out, most=given.frames, gif=given.gif, show=given.show)
+            path = make_film(run, out, most=given.frames, gif=given.gif, streamlines=given.streamlines, **look)
         else:
-            draw = {"fields": partial(plot_fields, show=given.show), "trajectories": plot_trajectories, "series": plot_series}[name]
-            path = draw(run, out / f"{name}.png")
+            path = draw[name](run, out / f"{name}.png")
         made += 1
         bare = name == "fields" and all(field is None for _, field in run.frames)
         print(f"{name}: {path}" + (" (particles only: the run wrote no velocity, see -fields)" if bare else ""), flush=True)

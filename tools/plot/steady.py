@@ -13,7 +13,7 @@ from matplotlib.tri import LinearTriInterpolator, Triangulation
 
 from tools.base.command import BadInput, Parser
 from tools.base.mesh_files import read_field, read_mesh
-from tools.base.run_folder import RunFolder, own as own_file
+from tools.base.run_folder import RunFolder
 from tools.plot.style import FIELD_MAP, PAGE_WIDTH, curve, draw_outline, frame, plt, save
 
 # file, label of the colour bar with the units of the case, how the values come from the fields
@@ -109,8 +109,7 @@ def draw_walls(run, path):
     for axes in both:
         axes.grid(True)
     both[1].legend(loc="best")
-    figure.savefig(own_file(path))
-    plt.close(figure)
+    save(figure, path)
 
 
 def main(arguments=None):

@@ -15,6 +15,7 @@ from matplotlib.ticker import FixedLocator, MaxNLocator  # noqa: E402
 from tools.base.command import BadInput  # noqa: E402
 from tools.base.mesh_files import AXIS, OPEN, SOLID, chains  # noqa: E402
 from tools.base.run_folder import own  # noqa: E402
+from tools.plot.captions import LETTER, fold_powers, plain  # noqa: E402
 
 FIELD_MAP, SIGNED_MAP = "viridis", "RdBu_r"
 SHOWN = ("speed", "vorticity", "stream")  # what of a field is drawn
@@ -24,20 +25,21 @@ LINE_MAP = matplotlib.colors.LinearSegmentedColormap.from_list(
 CURVES = [("#0072b2", "-"), ("#d55e00", "--"), ("#009e73", "-."), ("#000000", ":"),
           ("#cc79a7", (0, (5, 1, 1, 1, 1, 1))), ("#e69f00", (0, (7, 2)))]
 MARKERS = "os^Dvp"
-BODY, BODY_EDGE = "#e8e8e8", "#1a1a1a"
+BODY, BODY_EDGE, HELD = "#e8e8e8", "#1a1a1a", "#a6a6a6"
+BODY_MAP = "plasma"  # of bodies over a field
 ROUNDING = 1e-10  # of the radius: smaller overlaps are not drawn
 PAGE_WIDTH = 7.2  # inches: fits a printed page
 DIGIT, OVERHANG = 0.073, 0.07  # inches: width of a digit of a tick's label; what of a label may stand out beside a panel
-# inches: a letter of a title; the least that a column of panels takes with its gap, for title and names below
-LETTER, COLUMN = 0.075, 0.8
+COLUMN = 0.8  # inches: the least that a column of panels takes with its gap, for title and names below
 LINE = 0.13  # inches: height of a tick's label
 MARGINS = (0.62, 1.0, 0.52, 0.46)  # inches: left, right, bottom, top of panels
+TWO_BARS = (0.62, 1.86, 0.52, 0.46)  # with room for a second colour bar
 
 plt.rcParams.update({
     "font.size": 9, "axes.titlesize": 9, "axes.labelsize": 9, "legend.fontsize": 8,
     "xtick.labelsize": 8, "ytick.labelsize": 8, "figure.dpi": 100, "savefig.dpi": 200,
     "axes.grid": False, "grid.color": "#d0d0d0", "grid.linewidth": 0.5, "lines.linewidth": 1.4,
-    "legend.frameon": False, "axes.formatter.useoffset": False, "axes.formatter.limits": (-3, 4),
+    "legend.frameon": False, "hatch.linewidth": 0.5, "axes.formatter.useoffset": False, "axes.formatter.limits": (-3, 4),
 })
 
 
@@ -90,12 +92,13 @@ def panels(number, extent, width=PAGE_WIDTH, height=8.6, gaps=(0.2, 0.34), margi
     middle = 0.5 * (bottom + total[1] - top)
     bar = figure.add_axes([(total[0] - right + 0.12) / total[0], (middle - bar_height / 2) / total[1],
                            0.14 / total[0], bar_height / total[1]])
+    bar.is_bar = True
     return figure, axes, bar
 
 
 def lowest_with(label, margins=MARGINS):
     """The least height of a figure, inches, whose colour bar is as long as its label."""
-    return margins[2] + margins[3] + LETTER * len(label)
+    return margins[2] + margins[3] + LETTER * len(plain(label))
 
 
 def fitting(words, inches):
@@ -177,26 +180,26 @@ def draw_boundary(axes, run):
         axes.add_collection(LineCollection(run.walls, color="black", linewidth=1.1, capstyle="round", zorder=4), autolim=False)
 
 
-def headline(figure, text):
-    """The title of a whole figure."""
-    figure.text(0.5, 1 - 0.1 / figure.get_figheight(), text, ha="center", va="top", fontsize=10)
-
-
-def particle_artists(axes, particles, zorder=5, clip=None, spokes=True):
+def particle_artists(axes, particles, zorder=5, clip=None, spokes=True, look=None):
     """Particles as neutral disks or ellipses, each with a line from its centre to the rim at theta.
     particles: (id, x, y, theta, radius, minor) arrays; clip: (x0, y0, width, height) beyond which
-    nothing is drawn; spokes: False for particles that do not turn. Returns the artists, for removal."""
+    nothing is drawn; spokes: False for particles that do not turn; look: (faces, held) of tools/plot/colour.py,
+    held ones are hatched. Returns the artists, for removal."""
     _, x, y, theta, radius, minor = particles
     if not len(x):
         return []
     # The rim is drawn inside, so that a thick pen does not make touching disks overlap.
-    disks = PatchCollection([Ellipse((a, b), 2 * r, 2 * s, angle=np.degrees(t)) for a, b, t, r, s in zip(x, y, theta, radius,
-        minor)],
-                            facecolor=BODY, edgecolor=BODY_EDGE, linewidth=0.6, zorder=zorder)
+    shapes = [Ellipse((a, b), 2 * r, 2 * s, angle=np.degrees(t)) for a, b, t, r, s in zip(x, y, theta, radius, minor)]
+    faces, held = look if look is not None else ([BODY] * len(x), np.zeros(len(x), bool))
+    groups = []
+    for which, hatch in ((~held, None), (held, "////")):
+        if which.any():
+            groups.append(PatchCollection([shapes[k] for k in np.flatnonzero(which)], facecolor=[faces[k] for k in
+                np.flatnonzero(which)], edgecolor=BODY_EDGE, linewidth=0.6, zorder=zorder, hatch=hatch))
     ends = np.stack([np.column_stack([x, y]),
                      np.column_stack([x + radius * np.cos(theta), y + radius * np.sin(theta)])], axis=1)
     marks = LineCollection(ends, color=BODY_EDGE, linewidth=0.8, zorder=zorder + 0.1)
-    artists = [axes.add_collection(artist, autolim=False) for artist in ((disks, marks) if spokes else (disks,))]
+    artists = [axes.add_collection(artist, autolim=False) for artist in ((*groups, marks) if spokes else groups)]
     for artist in artists:
         clip_to(axes, artist, clip)
     return artists
@@ -265,11 +268,17 @@ def label_of(show, units):
         "stream": f"stream function ({length}$^2$/{second})"}[show]
 
 
-def draw_streamlines(axes, mesh, stream, scale, number=24):
+def draw_streamlines(axes, mesh, stream, scale, colour="white", number=24):
     """Lines of equal stream function at `number` levels of its scale. Returns the artist."""
     levels = np.linspace(scale["low"], scale["top"], number + 2)[1:-1]
-    return axes.tricontour(mesh.points[:, 0], mesh.points[:, 1], mesh.triangles, stream, levels=levels, colors="white",
+    return axes.tricontour(mesh.points[:, 0], mesh.points[:, 1], mesh.triangles, stream, levels=levels, colors=colour,
         linewidths=0.5, linestyles="solid", zorder=2)
+
+
+def title(run, what, inches):
+    """'case: what', or only what where the figure is too narrow for both."""
+    text = f"{run.title}: {what}"
+    return text if len(text) * LETTER < inches else what
 
 
 def time_text(t, unit="s", last=None):
@@ -281,6 +290,7 @@ def time_text(t, unit="s", last=None):
 
 def save(figure, path):
     """Write the figure and let it go. Returns the path."""
+    fold_powers(figure)
     figure.savefig(path, bbox_inches="tight", pad_inches=0.08)  # labels as wide as they are
     plt.close(figure)
     return own(path)

@@ -12,9 +12,10 @@ import numpy as np
 from tools.base.command import BadInput, Parser
 from tools.base.mesh_files import read_field
 from tools.base.run_folder import RunFolder
+from tools.plot.captions import headline
 from tools.plot.resolved import plot_trajectories
 from tools.plot.style import (
-    draw_boundary, draw_speed, fitting, frame, headline, lowest_with, panels, particle_artists, save, speed_of, speed_top,
+    draw_boundary, draw_speed, fitting, frame, lowest_with, panels, particle_artists, save, speed_of, speed_top,
     time_text)
 
 DOT = 3.0  # points: the least diameter that is drawn

@@ -6,6 +6,9 @@
 #   tools/setup/setup.sh            install what is missing
 #   tools/setup/setup.sh --check    say what is missing, install nothing (status 1 if something is)
 #
+# Elsewhere than on Linux, Debian's packages are not asked for: FreeFEM and Python must be there
+# (docs/guide/other_machines.md). In a conda environment its own libraries count.
+#
 # Environment: FREEFEM (the program, default FreeFem++), PYTHON (default python3).
 # Ends with status 1 and one line that names what is missing and the command for it.
 set -euo pipefail
@@ -18,6 +21,7 @@ if [[ $(command -v "$python") == "$PWD/.venv/"* ]]; then
     python=$("$python" -c "import sys; print(sys._base_executable)" 2>/dev/null || echo /usr/bin/python3)
 fi
 stamp=.venv/complete
+system=$(uname -s 2>/dev/null || echo Linux)
 freefem_packages="freefem++ libfreefem++ libfreefem++-dev libopenblas0-pthread"
 # soname and package of each library the gmsh wheel links to
 gmsh_libraries="libGLU.so.1:libglu1-mesa libGL.so.1:libgl1 libXrender.so.1:libxrender1
@@ -32,9 +36,15 @@ fail() {
 
 has() { command -v "$1" >/dev/null 2>&1; }
 
-# Debian packages that are missing, on one line.
+# Debian packages that are missing, on one line; elsewhere than on Linux, programs.
 missing_packages() {
     local missing="" pair libraries package
+    if [[ $system != Linux ]]; then
+        has "$freefem" || missing="FreeFEM ($freefem)"
+        "$python" -c "import ensurepip, venv" 2>/dev/null || missing="${missing:+$missing, }Python's venv module"
+        echo "$missing"
+        return
+    fi
     if ! has "$freefem"; then
         missing="$freefem_packages"
     elif has dpkg-query && dpkg-query -S "$(command -v "$freefem")" >/dev/null 2>&1; then
@@ -46,14 +56,15 @@ missing_packages() {
     "$python" -c "import ensurepip, venv" 2>/dev/null || missing="$missing python3-venv"
     libraries=$(PATH="$PATH:/sbin:/usr/sbin" ldconfig -p 2>/dev/null || true)
     for pair in $gmsh_libraries; do
-        [[ $libraries == *"${pair%%:*} "* ]] || missing="$missing ${pair##*:}"
+        [[ $libraries == *"${pair%%:*} "* || -n ${CONDA_PREFIX:-} && -e ${CONDA_PREFIX:-}/lib/${pair%%:*} ]] || missing="$missing ${pair##*:}"
     done
     echo $missing
 }
 
 # What the virtual environment was made from: the pins, the interpreter and this folder.
 fingerprint() {
-    { cat tools/setup/requirements.txt; "$python" -c "import os, sys; print(sys.version, os.path.realpath(sys._base_executable))"; pwd -P; } | sha256sum | cut -c1-64
+    { cat tools/setup/requirements.txt; "$python" -c "import os, sys; print(sys.version, os.path.realpath(sys._base_executable))"; pwd -P; } |
+        if has sha256sum; then sha256sum; else shasum -a 256; fi | cut -c1-64
 }
 
 environment_is_complete() {
@@ -63,6 +74,7 @@ environment_is_complete() {
 install_packages() {
     local packages=$1 sudo="" log command
     command="apt-get update && apt-get install -y $packages"
+    [[ $system == Linux ]] || fail "missing: $packages; on $system this cannot be installed from here: docs/guide/other_machines.md says what runs where"
     has apt-get || fail "missing: $packages (names of Debian packages; there is no apt-get here): install FreeFEM 4.9 or newer, Python's venv module and these libraries, then run make setup again"
     if [[ $(id -u) != 0 ]]; then
         if has sudo && { sudo -n true 2>/dev/null || [[ -t 0 ]]; }; then
@@ -105,7 +117,7 @@ make_environment() {
     fi
     .venv/bin/python -c "import gmsh" >>"$log" 2>&1 || {
         tail -n 1 "$log" >&2
-        fail "missing: a shared library of gmsh (the line above); on Debian apt-file search NAME finds its package"
+        fail "missing: a shared library of gmsh (the line above)$([[ $system != Linux ]] || echo "; on Debian apt-file search NAME finds its package")"
     }
     fingerprint >"$stamp"
     rm -f "$log"
