@@ -18,6 +18,7 @@ import numpy as np
 
 from tools.base.command import BadInput
 from tools.base.mesh_files import OPEN, read_field, read_mesh
+from tools.base.outlines import read_outlines
 from tools.base.tables import read_table
 
 SI = {"length": "m", "time": "s", "mass": "kg"}
@@ -26,7 +27,8 @@ SMALLER = {"length": ("cm", "mm", "um", "nm", "km"), "time": ("ms", "us", "ns", 
     "t")}
 RELATIVE = {"rad", "H", "h", "mean", "radii"}  # angles, and lengths over one of the scene
 DRIVER = {"-tend", "-dt", "-every", "-fields", "-maxwall", "-penalty"}  # options with units that every case has, whatever its own
-NEEDED = {"particles": "t id x y theta radius", "fluid": "t", "contacts": "t i j", "shapes": "id major minor", "steps": "t",
+NEEDED = {"particles": "t id x y theta radius", "fluid": "t", "contacts": "t i j", "shapes": "id major minor",
+    "outlines": "id part closed x y radius", "steps": "t",
     "exits": "id t outlet",
           "motion": "step t kinetic_energy potential_energy worst_gap", "walls": "x1 y1 x2 y2", "wallmoves": "t wall x1 y1 x2 y2",
           "wall": "x side shear pressure", "zones": "side separation reattachment"}  # columns without which a table says nothing
@@ -203,6 +205,11 @@ class RunFolder:
     def aspect(self, one):
         """Minor over major axis of the particle with this id: 1 for a disk."""
         return self._aspects.get(int(one), 1.0)
+
+    @cached_property
+    def outlines(self):
+        """{id: loops} of bodies of any shape in their own frames (tools/base/outlines.py); empty where the run has none."""
+        return read_outlines(self.columns("outlines")) if self.has("outlines") else {}
 
     @cached_property
     def fluid(self):
