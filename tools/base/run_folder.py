@@ -18,6 +18,7 @@ import numpy as np
 
 from tools.base.command import BadInput
 from tools.base.mesh_files import OPEN, read_field, read_mesh
+from tools.base.outlines import read_outlines
 from tools.base.run_arrays import Arrays
 from tools.base.tables import read_table
 
@@ -28,7 +29,8 @@ SMALLER = {"length": ("cm", "mm", "um", "nm", "km"), "time": ("ms", "us", "ns", 
 JOINT = {"Pa", "N", "J", "W"}  # units of SI that are made of the three
 DRIVER = {"-tend", "-dt", "-every", "-fields", "-maxwall", "-penalty", "-cohesion", "-restitution-speed", "-coupling-width",
     "-depth"}  # options of drivers with units, whatever those of the case
-NEEDED = {"particles": "t id x y theta radius", "fluid": "t", "contacts": "t i j", "shapes": "id major minor", "steps": "t",
+NEEDED = {"particles": "t id x y theta radius", "fluid": "t", "contacts": "t i j", "shapes": "id major minor",
+    "outlines": "id part closed x y radius", "steps": "t",
     "exits": "id t outlet",
           "motion": "step t kinetic_energy potential_energy worst_gap", "walls": "x1 y1 x2 y2", "wallmoves": "t wall x1 y1 x2 y2",
           "wall": "x side shear pressure", "zones": "side separation reattachment"}  # columns without which a table says nothing
@@ -225,6 +227,11 @@ class RunFolder(Arrays):
         """Ids of the particles that do not move freely: fixed, moved as prescribed, or pinned; none where entries.csv does not say."""
         table = self.columns("entries", "id") if self.has("entries") else {}
         return {int(one) for one, free in zip(table["id"], table["free"]) if free < 0.5} if "free" in table else set()
+
+    @cached_property
+    def outlines(self):
+        """{id: loops} of bodies of any shape in their own frames (tools/base/outlines.py); empty where the run has none."""
+        return read_outlines(self.columns("outlines")) if self.has("outlines") else {}
 
     @cached_property
     def fluid(self):

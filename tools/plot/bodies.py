@@ -6,12 +6,13 @@ Writes bodies.pvd and contacts.pvd, with a .vtu file each per time, at the times
 fields (fields.pvd), else of the rows of particles.csv; open the three together.
 
 bodies: a polygon per particle, whose corners lie on the rim and of which the first lies at
-theta, with id, theta (rad), velocity, omega, radius, density and free (where entries.csv tells
-them) and contact_force, the sum of its contacts. contacts: a line per pressing contact, from
-centre to centre or to the wall, with i, j, gap, impulse and force. A force is the impulse of
-the step over its length. Impulses belong to a step: at a time without rows in the tables
-contacts.pvd is empty and contact_force is nan. In a periodic domain what crosses a seam is
-drawn on both sides. Units are those of the case. Exit statuses: 0 done, 3 bad input.
+theta (bodies of any shape: a few polygons that overlap), with id, theta (rad), velocity, omega,
+radius, density and free (where entries.csv tells them) and contact_force, the sum of its
+contacts. contacts: a line per pressing contact, from centre to centre or to the wall, with i,
+j, gap, impulse and force. A force is the impulse of the step over its length. Impulses belong
+to a step: at a time without rows in the tables contacts.pvd is empty and contact_force is nan.
+In a periodic domain what crosses a seam is drawn on both sides. Units are those of the case.
+Exit statuses: 0 done, 3 bad input.
 """
 from pathlib import Path
 
@@ -19,6 +20,7 @@ import meshio
 import numpy as np
 
 from tools.base.command import BadInput, Parser, whole
+from tools.base.outlines import placed
 from tools.base.run_folder import RunFolder, own
 from tools.base.tables import write_text
 from tools.plot.colour import known
@@ -67,7 +69,7 @@ def contact_lines(run, time, bodies):
     if rows is None:
         return none[0], none[1], forces
     length, periods = step_length(run, time), np.array(run.period)
-    for i, j, gap, nx, ny, impulse in zip(*(rows[name] for name in ("i", "j", "gap", "nx", "ny", "impulse"))):
+    for at, (i, j, gap, nx, ny, impulse) in enumerate(zip(*(rows[name] for name in ("i", "j", "gap", "nx", "ny", "impulse")))):
         i, j, n, force = int(i), int(j), np.array([nx, ny]), impulse / length
         if i in place:
             forces[i] += force * n
@@ -80,6 +82,8 @@ def contact_lines(run, time, bodies):
         if second in place:
             step = place[second][0] - begin
             step -= np.where(periods > 0, periods * np.round(step / np.where(periods > 0, periods, 1)), 0)
+        elif "x" in rows:
+            step = np.array([rows["x"][at], rows["y"][at]]) - begin
         else:
             step = reach(towards, *shape) + gap * towards
         lines.append([begin, begin + step])
@@ -104,8 +108,25 @@ def polygons(run, time, bodies, forces):
     pushed = np.zeros((number, 3))
     pushed[:, :2] = np.nan if forces is None else np.array([forces[int(one)] for one in ids]).reshape(-1, 2)
     values["contact_force"] = pushed
+    if run.outlines:
+        return shaped(run, bodies, values)
     cells = np.arange(number * CORNERS).reshape(number, CORNERS)
     return meshio.Mesh(points.reshape(-1, 3), [("polygon", cells)], cell_data={name: [value] for name, value in values.items()})
+
+
+def shaped(run, bodies, values):
+    """Bodies of any shape as a meshio.Mesh: a polygon for each loop of a body (tools/base/outlines.py), with its values; loops of
+    as many points stand in a block."""
+    blocks, points, count = {}, [], 0
+    for k, (one, x, y, theta) in enumerate(zip(*bodies[:4])):
+        for loop in placed(run.outlines[int(one)], x, y, theta):
+            cells, owners = blocks.setdefault(len(loop), ([], []))
+            cells.append(count + np.arange(len(loop)))
+            owners.append(k)
+            points.append(np.column_stack([loop, np.zeros(len(loop))]))
+            count += len(loop)
+    return meshio.Mesh(np.concatenate(points), [("polygon", np.array(cells)) for cells, _ in blocks.values()],
+        cell_data={name: [value[owners] for _, owners in blocks.values()] for name, value in values.items()})
 
 
 def write_series(folder, name, meshes):

@@ -3,7 +3,7 @@
     python -m tools.plot_contacts results/falling_particles/run_001
     python -m tools.plot_contacts RUN --times 0 1 10 20 60 80 100 --only frames chains
 
-Reads particles.csv, contacts.csv, motion.csv, walls.csv and wallmoves.csv of the run; leaves frames.png
+Reads particles.csv, contacts.csv, motion.csv, walls.csv, wallmoves.csv and outlines.csv of the run; leaves frames.png
 (positions left, velocities right), chains.png (forces at the last time), energy.png and
 film.mp4 (a gif where no mp4 can be made). Colours: viridis for speeds.
 """
@@ -11,10 +11,11 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.collections import EllipseCollection, LineCollection, PolyCollection
 from matplotlib.colors import LogNorm
 
 from tools.base.command import BadInput, Parser, number, whole
+from tools.base.outlines import placed
 from tools.base.run_folder import RunFolder
 from tools.plot.film import frame_rate, shot, thinned, write_film
 from tools.plot.style import BODY, BODY_EDGE, FIELD_MAP, PAGE_WIDTH, ROUNDING, curve, fit_ticks, plt, save, time_text
@@ -97,18 +98,36 @@ def chosen(run, number=8):
     return FIGURE_TIMES if abs(end - 100) < 1 else np.linspace(run.times[0], end, number)
 
 
+def shape_artists(axes, run, frame, thin):
+    """Bodies of any shape: the edges of all loops, and over these the loops without edges, which are returned; their `owner` (n,)
+    is the body of each, as its place in the frame."""
+    loops, owner = [], []
+    for k, (one, x, y, theta) in enumerate(zip(frame["id"], frame["x"], frame["y"], frame["theta"])):
+        mine = placed(run.outlines[int(one)], x, y, theta)
+        loops += mine
+        owner += [k] * len(mine)
+    axes.add_collection(PolyCollection(loops, edgecolor=BODY_EDGE, linewidth=2 * thin, facecolor=BODY, zorder=2.9))
+    filled = PolyCollection(loops, edgecolor="none", facecolor=BODY, zorder=3)
+    filled.owner = np.array(owner, dtype=int)
+    return filled
+
+
 def draw(axes, run, frame, speed=None):
-    """Walls and disks; with `speed` (LogNorm) disks are filled by it. Returns the disks."""
+    """Walls and bodies; with `speed` (LogNorm) they are filled by it. Returns the bodies' artist."""
     axes.add_collection(LineCollection(run.walls_at(frame["t"][0]), color="black", linewidth=1.0, capstyle="round", zorder=4,
         label="walls"))
     width = 2 * frame["radius"]
     thin = 0.4 if len(width) < 1000 else 0.1
-    disks = EllipseCollection(width, width, np.zeros(len(width)), units="xy", offsets=np.column_stack([frame["x"], frame["y"]]),
-                              transOffset=axes.transData, edgecolor=BODY_EDGE, linewidth=thin, facecolor=BODY, zorder=3)
+    if run.outlines:
+        disks = shape_artists(axes, run, frame, thin)
+    else:
+        disks = EllipseCollection(width, width, np.zeros(len(width)), units="xy", offsets=np.column_stack([frame["x"],
+            frame["y"]]), transOffset=axes.transData, edgecolor=BODY_EDGE, linewidth=thin, facecolor=BODY, zorder=3)
     if speed is not None:
         if len(width) >= 200:  # outlines would hide the colours
             disks.set_edgecolor("none")
-        disks.set(cmap=FIELD_MAP, norm=speed, array=np.clip(frame["speed"], speed.vmin, speed.vmax), facecolor=None)
+        values = np.clip(frame["speed"], speed.vmin, speed.vmax)
+        disks.set(cmap=FIELD_MAP, norm=speed, array=values[disks.owner] if run.outlines else values, facecolor=None)
     axes.add_collection(disks)
     axes.set_xlim(run.view[:2])
     axes.set_ylim(run.view[2:])
@@ -191,6 +210,12 @@ def plot_chains(run, path):
     normal = np.column_stack([contacts["nx"][now], contacts["ny"][now]])
     other = np.array([frame["radius"][place[k]] if k >= 0 else 0.0 for k in j])
     b = a - normal * (frame["radius"][i] + contacts["gap"][now] + other)[:, None]
+    if "x" in contacts:  # bodies of any shape: from both centres to the point of contact
+        b = np.column_stack([contacts["x"][now], contacts["y"][now]])
+        pairs = j >= 0
+        k = np.array([place[one] for one in j[pairs]], dtype=int)
+        a, b = np.concatenate([a, np.column_stack([frame["x"], frame["y"]])[k]]), np.concatenate([b, b[pairs]])
+        force = np.concatenate([force, force[pairs]])
     x0, x1, _, _ = run.view
     y0 = run.view[2]
     y1 = (frame["y"] + frame["radius"]).max() + 0.02 * (x1 - x0)
@@ -252,7 +277,7 @@ def shots(run, places):
         extend="min").set_label(f"speed ({run.units_per_depth['speed']})")
     for k in places:
         frame = run.frame(k)
-        if any(run.period):  # copies come and go
+        if any(run.period) or run.outlines:  # copies come and go, bodies turn
             for part in list(axes.collections):
                 part.remove()
             draw(axes, run, frame, norm)
