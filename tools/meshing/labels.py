@@ -13,5 +13,7 @@ LABELS = {
     "right": 12,
     "bottom": 13,
     "top": 14,
+    "front": 15,
+    "back": 16,
 }
 NAMES = {number: name for name, number in LABELS.items()}
