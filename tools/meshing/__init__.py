@@ -15,6 +15,7 @@ from tools.meshing import (
     periodic_box,
     pipe,
     space_box,
+    space_cell,
     stream,
     sudden_expansion,
 )
@@ -54,6 +55,7 @@ CASES = {
     "couette_disk": (couette, {"size": 1 / 32}),
     "segre_silberberg": (couette, {"size": 1 / 32}),
     "settling_sphere": (space_box, {}),
+    "sphere_array": (space_cell, {"size": 0.5 / 8}),
     "ellipse_in_shear": (couette, {"length": 2.0, "size": 1 / 80, "core": 0.3}),
 }
 # All that python -m tools.mesh knows: the cases, and what has no default mesh.
