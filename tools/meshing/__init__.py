@@ -16,6 +16,7 @@ from tools.meshing import (
     pipe,
     space_box,
     space_cell,
+    space_pipe,
     stream,
     sudden_expansion,
 )
@@ -55,6 +56,7 @@ CASES = {
     "couette_disk": (couette, {"size": 1 / 32}),
     "segre_silberberg": (couette, {"size": 1 / 32}),
     "settling_sphere": (space_box, {}),
+    "pipe_spheres": (space_pipe, {}),
     "sphere_array": (space_cell, {"size": 0.5 / 8}),
     "ellipse_in_shear": (couette, {"length": 2.0, "size": 1 / 80, "core": 0.3}),
 }
