@@ -1,6 +1,7 @@
 """The meshes of the cases: which recipe each case takes, and with which defaults.
 
-A recipe is a module with add_options(parser) and build(options) -> (Outline, PlaneMesh).
+A recipe is a module with add_options(parser) and build(options) -> (Outline, PlaneMesh), or
+(None, SpaceMesh) in three dimensions.
 """
 from tools.meshing import (
     backward_step,
@@ -13,6 +14,9 @@ from tools.meshing import (
     own,
     periodic_box,
     pipe,
+    space_box,
+    space_cell,
+    space_pipe,
     stream,
     sudden_expansion,
 )
@@ -51,6 +55,9 @@ CASES = {
     "cylinder_array": (periodic_box, {"size": 1 / 32}),
     "couette_disk": (couette, {"size": 1 / 32}),
     "segre_silberberg": (couette, {"size": 1 / 32}),
+    "settling_sphere": (space_box, {}),
+    "pipe_spheres": (space_pipe, {}),
+    "sphere_array": (space_cell, {"size": 0.5 / 8}),
     "ellipse_in_shear": (couette, {"length": 2.0, "size": 1 / 80, "core": 0.3}),
 }
 # All that python -m tools.mesh knows: the cases, and what has no default mesh.

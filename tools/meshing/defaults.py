@@ -5,10 +5,8 @@ Each is what python -m tools.mesh CASE makes when no option is given, or what a 
 import sys
 
 from tools.base.command import ROOT, BadInput
-from tools.meshing.main import make, parser
 from tools.meshing import CASES
-from tools.meshing.checks import summary
-from tools.meshing.medit import write
+from tools.meshing.main import make, parser, write
 
 
 def main():
@@ -25,6 +23,5 @@ def main():
         mesh, found = make(parser().parse_args([*known[case], "--out", str(file)]))
         if found:
             raise BadInput(f"{case}: {found[0]}")
-        write(mesh, file)
-        print(f"meshes/{case}.mesh: {summary(mesh)}\n")
+        print(f"meshes/{case}.mesh: {write(mesh, file)}\n")
     return 0

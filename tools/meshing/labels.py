@@ -15,6 +15,8 @@ LABELS = {
     "right": 12,
     "bottom": 13,
     "top": 14,
+    "front": 15,
+    "back": 16,
 }
 NAMES = {number: name for name, number in LABELS.items()}
 FIRST_OWN = 21  # label of the first name of one's own

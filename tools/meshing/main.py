@@ -12,9 +12,8 @@ import sys
 from pathlib import Path
 
 from tools.base.command import BadInput, Parser
-from tools.meshing import RECIPES
+from tools.meshing import RECIPES, medit, space_mesh
 from tools.meshing.checks import faults, histogram, summary
-from tools.meshing.medit import write
 
 FAILED_CHECK = 4
 
@@ -35,7 +34,18 @@ def parser():
 def make(options):
     """The mesh of parsed options, checked: (mesh, list of faults)."""
     outline, mesh = RECIPES[options.case][0].build(options)
+    if isinstance(mesh, space_mesh.SpaceMesh):
+        return mesh, space_mesh.faults(mesh)
     return mesh, faults(mesh, outline)
+
+
+def write(mesh, file):
+    """Writes a checked mesh, of either kind, and returns its summary."""
+    if isinstance(mesh, space_mesh.SpaceMesh):
+        space_mesh.write(mesh, file)
+        return space_mesh.summary(mesh)
+    medit.write(mesh, file)
+    return summary(mesh)
 
 
 def is_foreign(path):
@@ -62,8 +72,7 @@ def main():
     if found:
         print(f"error: the mesh was not written: {found[0]}; ask for smaller elements or other dimensions", file=sys.stderr)
         return FAILED_CHECK
-    write(mesh, options.out)
-    print(f"{options.out}: {summary(mesh)}")
-    if options.quality:
+    print(f"{options.out}: {write(mesh, options.out)}")
+    if options.quality and not isinstance(mesh, space_mesh.SpaceMesh):
         print(histogram(mesh))
     return 0

@@ -1,0 +1,33 @@
+"""A block of tetrahedra [0, length] x [0, width] x [0, height] whose sides have names: cells of arrays, ducts, channels.
+
+The cells of a grid cut into six tetrahedra. Labels: left, right (x), front, back (y), bottom, top (z).
+"""
+import numpy as np
+
+from tools.base.command import BadInput
+from tools.meshing.labels import LABELS
+from tools.meshing.options import add_length, add_size
+from tools.meshing.space_mesh import boxes
+from tools.meshing.structured import even
+
+
+def add_options(parser):
+    add_size(parser, 1 / 16, "M")
+    add_length(parser, "--length", 0.5, "M", "length along x")
+    add_length(parser, "--width", 0.5, "M", "length along y")
+    add_length(parser, "--height", 0.5, "M", "length along z")
+
+
+def build(options):
+    lengths = (options.length, options.width, options.height)
+    if np.prod([length / options.size for length in lengths]) > 2e6:
+        raise BadInput("this block has more than 2 million cells: ask for larger ones")
+
+    def label_of(centres):
+        labels = np.zeros(len(centres), dtype=int)
+        for axis, names in enumerate((("left", "right"), ("front", "back"), ("bottom", "top"))):
+            labels[centres[:, axis] < 1e-9 * lengths[axis]] = LABELS[names[0]]
+            labels[centres[:, axis] > (1 - 1e-9) * lengths[axis]] = LABELS[names[1]]
+        return labels
+
+    return None, boxes(*(even(0, length, options.size) for length in lengths), label_of)
