@@ -1,7 +1,10 @@
 """Forces on free bodies that a case says (caseLoads): against weight, exact motions, and what is refused."""
+import shutil
+
 import numpy as np
 import pytest
 
+from tests.conftest import run_freefem
 from tests.scenes import case
 from tests.tables import force
 from tools.base.run_folder import RunFolder
@@ -162,18 +165,31 @@ def test_a_body_that_never_comes_or_moves_freely_then_is_refused(more, complaint
     assert done.returncode == 3 and complaint in done.stderr and len(done.stderr.strip().splitlines()) == 1
 
 
-@pytest.mark.parametrize("asked, there", [(10, True), (3, True), (11, True), (5, False), (0, False), (12, False)])
-def test_ids_of_a_file_may_leave_gaps_where_nobody_is(asked, there, freefem_text, tmp_path):
-    """Particle 10 stays, 3 leaves, 11 is still to come; a restart knows them, too."""
-    (tmp_path / "disks.csv").write_text("id,x,y,radius,density,u\n10,0.4,0.3,0.1,2,0\n3,0.99,0.3,0.1,2,9\n")
-    text = scene("queueAdd(0.75, 0.1, 2, 9);", f"if (now > 0.045) bodyPush({asked}, 0, 0, 0);", **STREAM)
+@pytest.fixture(scope="module")
+def left(tmp_path_factory):
+    """A run of two particles of a file, of which 3 has left and 10 stays; 11 is still to come: (text of the scene without its load,
+    words, folder of the run)."""
+    folder = tmp_path_factory.mktemp("left")
+    (folder / "disks.csv").write_text("id,x,y,radius,density,u\n10,0.4,0.3,0.1,2,0\n3,0.99,0.3,0.1,2,9\n")
+    text = scene("queueAdd(0.75, 0.1, 2, 9);", "LOAD", **STREAM)
     text = text.replace("int[int] flowNoSlip", "macro boundaryU() (4*y*(1 - y)) // EOM\nint[int] flowNoSlip")
-    words = ["-particles", tmp_path / "disks.csv", "-cfl", 0, "-every", 0, "-checkpoint", 4, "-tend"]
-    freefem_text(text, *words, 0.04, "-out", tmp_path / "run")
-    assert RunFolder(tmp_path / "run").fluid["particles"][-1] == 1
-    done = freefem_text(text, *words, 0.05, "-restart", tmp_path / "run", check=False)
+    (folder / "scene.edp").write_text(text.replace("LOAD", "bodyPush(10, 0, 0, 0);"))
+    words = ["-particles", folder / "disks.csv", "-cfl", 0, "-every", 0, "-checkpoint", 4, "-tend"]
+    run_freefem(folder / "scene.edp", *words, 0.04, "-out", folder / "run")
+    assert RunFolder(folder / "run").fluid["particles"][-1] == 1
+    return text, words, folder / "run"
+
+
+@pytest.mark.parametrize("asked, there", [(10, True), (3, True), (11, True), (5, False), (0, False), (12, False)])
+def test_ids_of_a_file_may_leave_gaps_where_nobody_is(asked, there, left, freefem_text, tmp_path):
+    """A restart knows them, too."""
+    text, words, run = left
+    shutil.copytree(run, tmp_path / "run", ignore=shutil.ignore_patterns(".writer"))
+    done = freefem_text(text.replace("LOAD", f"bodyPush({asked}, 0, 0, 0);"), *words, 0.05, "-restart", tmp_path / "run",
+        check=False)
     assert done.returncode == (0 if there else 3) and (there
         or f"caseLoads pushes particle {asked}, which does not exist" in done.stderr)
+    assert "goes on from t" in done.stdout or not there
 
 
 def test_the_published_scheme_refuses_loads(freefem_text, tmp_path):

@@ -227,11 +227,11 @@ def test_a_case_that_was_edited_goes_on_with_a_warning(tmp_path):
     assert all("goes on from t" in run.stdout for run in (same, edited, again))
 
 
-def test_a_checkpoint_of_another_mesh_replaces_nothing(freefem, coarse, tmp_path):
+def test_a_checkpoint_of_another_mesh_replaces_nothing(freefem, mesh, tmp_path):
     """Neither the run in -out nor the rows behind the checkpoint are gone when it is refused."""
     words = ["cases/pipe_obstacles.edp", "-number", 0, "-cfl", 0, "-dt", 0.002, "-checkpoint", 1, "-tend"]
     for name in ("one", "two"):
-        freefem(*words, 0.006, "-mesh", coarse, "-out", tmp_path / name)
+        freefem(*words, 0.006, *mesh, "-out", tmp_path / name)
     kept = {name: (tmp_path / name / "fluid.csv").read_bytes() for name in ("one", "two")}
     newest = sorted((tmp_path / "one").glob("restart_*.sha"))[-1].stem
     for file in (tmp_path / "one").glob(f"{newest}.*"):

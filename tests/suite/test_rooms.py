@@ -1,5 +1,6 @@
 """The rooms of lib/: none uses a room above it, no files use each other in a circle, and headers say which other files write a
 variable."""
+from functools import lru_cache
 
 import pytest
 
@@ -7,8 +8,18 @@ from tests.rooms import PAGE, Library, functions, filled, room, rooms, texts, wr
 
 FLOORS = rooms(PAGE.read_text())
 TEXTS = texts()
-LIBRARY = Library(TEXTS)
-WRITERS = LIBRARY.writers()
+FILES = [path for path in TEXTS if path.startswith("lib/")]
+
+
+@lru_cache(maxsize=None)
+def library():
+    """Read where a test needs it: it takes longer than to collect the tests."""
+    return Library(TEXTS)
+
+
+@lru_cache(maxsize=None)
+def writers():
+    return library().writers()
 
 
 def with_line(path, line):
@@ -20,29 +31,29 @@ def with_line(path, line):
 
 def test_the_table_of_rooms_names_the_folders_of_lib():
     assert FLOORS[0] == "core" and len(FLOORS) == len(set(FLOORS))
-    assert set(FLOORS) == {room(path) for path in LIBRARY.files} - {""}
+    assert set(FLOORS) == {room(path) for path in library().files} - {""}
 
 
 def test_every_file_of_lib_stands_in_a_room():
-    assert [path for path in LIBRARY.files if room(path) not in FLOORS] == []
+    assert [path for path in library().files if room(path) not in FLOORS] == []
 
 
 def test_no_file_uses_a_room_above_its_own():
-    assert LIBRARY.upward(FLOORS) == []
+    assert library().upward(FLOORS) == []
 
 
 def test_no_files_use_each_other_in_a_circle():
-    assert LIBRARY.circles() == []
+    assert library().circles() == []
 
 
 def test_a_file_includes_or_says_that_it_needs_what_it_uses():
-    assert LIBRARY.unreached() == []
+    assert library().unreached() == []
 
 
-@pytest.mark.parametrize("path", LIBRARY.files)
+@pytest.mark.parametrize("path", FILES)
 def test_a_header_says_which_other_files_write_its_variables(path):
     """"Written by: lib/room/file.idp (names), ..." names them all, and none besides."""
-    assert written_by(TEXTS[path]) == WRITERS[path], "the header needs:\n" + written_line(WRITERS[path])
+    assert written_by(TEXTS[path]) == writers()[path], "the header needs:\n" + written_line(writers()[path])
 
 
 @pytest.mark.parametrize("path, line, what", [
@@ -78,7 +89,7 @@ def test_a_circle_is_found():
 def test_what_writes_a_variable_is_found(line, name):
     found = with_line("lib/record/fields.idp", "func int bodySort(real[int] & a, int n) { for (int k = 0; k < n; ++k) a[k] = k; "
         "}\n" + line).writers()
-    fresh = {file: names for owner, others in found.items() for file, names in others.items() if names - WRITERS[owner].get(file,
+    fresh = {file: names for owner, others in found.items() for file, names in others.items() if names - writers()[owner].get(file,
         set())}
     assert list(fresh) == ["lib/record/fields.idp"] and name in fresh["lib/record/fields.idp"]
 
