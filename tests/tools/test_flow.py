@@ -328,3 +328,5 @@ def test_a_flow_that_does_not_balance_is_told(tmp_path):
     meshio.Mesh(points, [("quad", quads)], point_data={"u": points[:, 0], "v": 0 * points[:, 0]}).write(tmp_path / "source.vtu")
     done = made(tmp_path / "flow", tmp_path / "source.vtu", *WALLS)[3]
     assert len(done.stderr.splitlines()) == 1 and "0 m2/s flow in, 1 out" in done.stderr
+    closed = vortex_file(tmp_path / "closed.vtu", 8, "quad", "cells")
+    assert made(tmp_path / "closed", closed, *WALLS)[3].stderr == ""

@@ -24,7 +24,7 @@ def read(path, times, velocity):
         parallel = (case / "processor0").is_dir()
         raise BadInput(f"{case} is no OpenFOAM case: it has no constant/polyMesh" + ("; reconstructParMesh joins its parts"
             if parallel else ""))
-    flow, owner, names, faces, axes = plane(base, case)
+    flow, owner, names, axes = plane(base, case)
     folders = sorted((float(one.name), one) for one in case.iterdir() if one.is_dir() and is_time(one.name))
     name = velocity or "U"
     folders = [(time, one) for time, one in folders if any((one / f"{name}{end}").is_file() for end in ("", ".gz"))]
@@ -100,7 +100,7 @@ def filled(entry, count, width):
 
 
 def plane(base, case):
-    """(Given without times, owner cells of the faces, {patch: its faces}, faces, axes of the plane) of a mesh one cell deep."""
+    """(Given without times, owner cells of the faces, {patch: its faces}, axes of the plane) of a mesh one cell deep."""
     points, faces, owner = Foam(base / "points").plain("vector"), Foam(base / "faces").faces(), Foam(base / "owner").plain("label")
     patches = patches_of(base)
     if any(kind == "wedge" for kind, _ in patches.values()):
@@ -110,7 +110,7 @@ def plane(base, case):
     if not len(sheets):
         raise BadInput(f"{case} is a 3-D flow: its mesh has no patches of type empty; only plane flows are taken")
     middle = np.array([points[faces[face]].mean(axis=0) for face in sheets])
-    across = int(np.argmin([np.ptp(points[faces[face]], axis=0) for face in sheets[:1]][0]))
+    across = int(np.argmin(np.ptp(points[faces[sheets[0]]], axis=0)))
     low = middle[:, across] < 0.5 * (points[:, across].min() + points[:, across].max())
     sheet = sheets[low]
     polygons = [None] * cells
@@ -135,7 +135,7 @@ def plane(base, case):
             raise BadInput(f"{case}: the patch {name} does not stand across the plane of the flow")
         flow.sides[name], flow.kinds[name] = np.array(ends), {"wall": "wall", "symmetry": "symmetry",
             "symmetryPlane": "symmetry"}.get(kind, "")
-    return flow, owner, names, faces, axes
+    return flow, owner, names, axes
 
 
 def patches_of(base):

@@ -21,7 +21,7 @@ def usable(folder):
         head = folder / "flow.txt"
         if not head.is_file() or head.read_bytes()[:len(MARK)] != MARK.encode():
             raise BadInput(f"'{folder}' is there and holds no flow; give another name")
-        head.unlink()  # whoever stops the program here leaves no flow that looks whole
+        head.unlink()  # a program that is stopped from here on leaves no flow that looks whole
         for frame in folder.glob("frame_*.txt"):
             frame.unlink()
     folder.mkdir(parents=True, exist_ok=True)
