@@ -4,10 +4,12 @@ import json
 import math
 import os
 import subprocess
+from types import SimpleNamespace
 
 import pytest
 
 from tests.conftest import ROOT, run_freefem, run_tool
+from tools.base import engine
 from tools.base.command import BadInput
 from tools.many import figure, plan, sweep as sweep_tool
 
@@ -108,6 +110,25 @@ def test_a_run_that_was_cut_off_goes_on_from_its_checkpoint(tmp_path):
     assert json.loads((out / "runs/number=3/run.json").read_text())["command"][-2:] == ["-restart", str(out / "runs/number=3")]
     run_freefem("cases/falling_particles.edp", "-number", 3, *options, "-out", tmp_path / "whole")
     assert (out / "runs/number=3/particles.csv").read_bytes() == (tmp_path / "whole/particles.csv").read_bytes()
+
+
+def test_what_is_under_way_when_the_sweep_dies_goes_on_from_its_checkpoint(case, tmp_path, monkeypatch):
+    """Its folder then has a checkpoint, and beside it stands the key of what was begun; of another key it is begun again."""
+    job = engine.Job(str(case), {"-a": 1.0}, tmp_path / "runs/a", go_on=True)
+    job.folder.mkdir(parents=True)
+    assert engine.kept(job) is None and not engine.can_go_on(job)
+    (job.folder / "restart_000000003.sha").write_text("")
+    assert not engine.can_go_on(job)
+    job.beside("begun").write_text(job.key)
+    commands = []
+
+    def no_whole_checkpoint(command, limit):
+        commands.append(command)
+        return SimpleNamespace(status=3)
+    monkeypatch.setattr(engine, "run_command", no_whole_checkpoint)
+    record = engine.run_job(job)  # from the beginning where no checkpoint is whole
+    assert commands[0][-2:] == ["-restart", str(job.folder)] and record["status"] == 0 and record["fresh"]
+    assert not job.beside("begun").exists() and not engine.can_go_on(job) and not engine.run_job(job)["fresh"]
 
 
 def test_an_array_job_makes_a_run_a_task(case, tmp_path, capsys):

@@ -305,7 +305,8 @@ def order(text):
 def parser():
     """The options."""
     options = Parser(prog="python -m tools.study", epilog="quantities (mean_v:0.2:0.5 gives numbers to the first arguments; -1 "
-        "of a particle: that of the least id; nan of a time: as without):\n"
+        "of a particle: that of the least id; nan of a time: as without; expressions on tables, such as particles.csv:y:last, are "
+        "those of tools.sweep):\n"
                      + quantities.summary(quantities.load()), description=__doc__)
     options.add_argument("script", help="the case, such as cases/settling_disk.edp")
     options.add_argument("--meshsize", nargs="+", type=positive, metavar="H", help="element sizes (default: the case's mesh)")
