@@ -13,6 +13,7 @@ CASES = {
     "falling_particles": ["-tend", "0.1"],
     "heap": ["-tend", "0.1", "-number", "40"],
     "granular_collapse": ["-tend", "0.1", "-number", "60"],
+    "fibres": ["-tend", "0.1", "-number", "10"],
     "hopper_clogging": ["-tend", "0.1", "-number", "40"],
     "poiseuille": ["-tend", "0.1"],
     "taylor_green": ["-tend", "0.02"],

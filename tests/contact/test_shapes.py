@@ -171,13 +171,14 @@ def overlap(rows, radius):
 @pytest.mark.parametrize("number, end, friction", [(20, 0.16, 0), (10, 0.14, 0.5), pytest.param(50, 0.8, 0,
     marks=pytest.mark.slow), pytest.param(50, 0.8, 0.5, marks=pytest.mark.slow)])
 def test_a_heap_of_capsules_has_no_overlap_and_gains_no_energy(number, end, friction, scene):
+    """With friction the energy may rise by what -friction-tol leaves (docs/theory/friction.md)."""
     folder = scene(heap(number), BIN, "-friction", friction, "-friction-tol", 1e-6, "-dt", 0.002, "-tend", end, "-every", 0.02)
     rows = read_table(folder / "particles.csv")
     for t in np.unique(rows["t"]):
         assert overlap({name: rows[name][rows["t"] == t] for name in rows}, 0.005) > -1e-6
     motion = read_table(folder / "motion.csv")
     total = motion["kinetic_energy"] + motion["potential_energy"]
-    assert np.diff(total).max() <= 1e-9 * motion["kinetic_energy"].max()
+    assert np.diff(total).max() <= (1e-6 if friction else 1e-9) * motion["kinetic_energy"].max()
     assert (motion["contacts"] > number / 4).any()
 
 

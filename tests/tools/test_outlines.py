@@ -44,8 +44,8 @@ def made_up(tmp_path):
         [[k, k, i, 5 * i, 2, 0.5 * np.pi * k / 2, 0.1, 0, 0, 2] for k in range(3) for i in (1, 2)])
     write_csv(tmp_path / "outlines.csv", "id,part,closed,x,y,radius".split(","), [[1, 0, 1, x, y, 0.5] for x, y in SQUARE]
         + [[2, 1, 0, -0.5, 0, 0.6], [2, 2, 0, 0.5, 0, 0.6]])
-    write_csv(tmp_path / "contacts.csv", "t,i,j,gap,nx,ny,impulse,x,y".split(","), [[2, 1, 2, 0, -1, 0, 3, 7, 2], [2, 1, -1, 0, 0, 1,
-        4, 5, 0]])
+    write_csv(tmp_path / "contacts.csv", "t,i,j,gap,nx,ny,impulse,x,y".split(","), [[2, 1, 2, 0, -1, 0, 3, 7, 2],
+        [2, 1, -1, 0, 0, 1, 4, 5, 0]])
     write_csv(tmp_path / "motion.csv", ["step", "t", "kinetic_energy", "potential_energy", "worst_gap"], [[k, k, 1, 1, 0]
         for k in range(3)])
     (tmp_path / "run.json").write_text('{"case": "made_up", "parameters": {"-dt": 1}}')
