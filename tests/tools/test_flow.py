@@ -260,7 +260,8 @@ def test_a_table_of_points_as_fluent_writes_it(tmp_path):
     for name, values in exact.items():
         np.testing.assert_allclose(frame[name], values, atol=1e-7)
     within = (np.abs(places - 0.5) < 0.45).all(axis=1)
-    file = table(tmp_path / "inner.csv", "X [ m ], Y [ m ], Velocity u [ m s^-1 ], Velocity v [ m s^-1 ]", places[within], columns[0][within], columns[1][within])
+    file = table(tmp_path / "inner.csv", "X [ m ], Y [ m ], Velocity u [ m s^-1 ], Velocity v [ m s^-1 ]", places[within],
+        columns[0][within], columns[1][within])
     _, _, (frame,), done = made(tmp_path / "inner", file, "--mesh", mesh)
     assert len(done.stderr.splitlines()) == 1 and "of 49 vertices of the mesh lie outside the points" in done.stderr
     np.testing.assert_allclose(frame["u"], exact["u"], atol=1e-7)

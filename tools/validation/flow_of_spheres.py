@@ -1,7 +1,8 @@
 """Spheres in three dimensions: a cubic array, a turning sphere, spheres that settle in a box, light and heavy ones."""
 import numpy as np
 
-# ten Cate et al., Phys. Fluids 14 (2002) 4012: speed of the unbounded fall (m/s), peak speed over it, end (s) and step (s) of a run.
+# ten Cate et al., Phys. Fluids 14 (2002) 4012: speed of the unbounded fall (m/s), peak speed over it, end (s) and step (s) of a
+# run.
 OILS = {1: (0.038, 0.947, 5.0, 0.02), 2: (0.060, 0.953, 2.6, 0.015), 3: (0.091, 0.959, 1.8, 0.01), 4: (0.128, 0.955, 1.3, 0.01)}
 RADIUS = 0.0075
 # Zick & Homsy, J. Fluid Mech. 115 (1982) 13: drag over that of one sphere in a stream of the mean velocity.
@@ -70,13 +71,15 @@ def densities(context):
     """Spheres of 0.01 to 100 times the density of the fluid, released: acceleration of the first moments, (s - 1) g/(s + 1/2)."""
     for ratio in (0.01, 0.5, 2, 10, 100):
         start = 0.03 if ratio < 1 else 0.1275
-        run = context.run("cases/settling_sphere.edp", {"-rhos": 960 * ratio, "-mu": 0.001, "-tend": 0.01, "-dt": 0.001, "-z": start,
+        run = context.run("cases/settling_sphere.edp", {"-rhos": 960 * ratio, "-mu": 0.001, "-tend": 0.01, "-dt": 0.001,
+            "-z": start,
             "-tolerance": 1e-6}, f"density_{ratio}", mesh=("settling_sphere", 2 * RADIUS / 8))
         rows = run.folder.columns("particles")
         found = rows["w"][-1] / rows["t"][-1]
         yield context.row(f"density ratio {ratio}: acceleration after release over (s - 1) g/(s + 1/2)", "added mass", 1,
             found / (-(ratio - 1) * 9.81 / (ratio + 0.5)), rtol=0.05, cpu_s=run.cpu_s)
-        run = context.run("cases/settling_sphere.edp", {"-rhos": 960 * ratio, "-tend": 0.3, "-dt": 0.01, "-z": start}, f"stable_{ratio}",
+        run = context.run("cases/settling_sphere.edp", {"-rhos": 960 * ratio, "-tend": 0.3, "-dt": 0.01, "-z": start},
+            f"stable_{ratio}",
             mesh=("settling_sphere", 2 * RADIUS / 4))
         speed = np.abs(run.folder.columns("fluid")["top_speed"]).max()
         yield context.row(f"density ratio {ratio}: greatest speed, m/s", "stable", np.nan, speed, at_most=5, cpu_s=run.cpu_s)
