@@ -45,8 +45,7 @@ CASES = {
     "carried_disk": ["-tend", "0.02"],
 }
 # Cases that take long on their default mesh: the options of tools.mesh of a coarser one. tests/mesh/test_mesh.py looks at the
-# labels
-# of the default meshes.
+# labels of the default meshes.
 COARSER = {
     "sudden_expansion": ["--size", 0.25, "--outlet-length", 12, "--stretch", 1.1],
     "pipe_flow": ["--size", 0.016],
