@@ -1,0 +1,119 @@
+"""Spheres in a three-dimensional flow: exact drags, a published fall, restarts, contacts, refusals."""
+import numpy as np
+import pytest
+
+from tests.conftest import ROOT, make_mesh
+from tools.base.tables import read_table
+
+SCENE = """
+include "lib/spheres/case.idp"
+optCase("scene", "spheres of tests/spheres");
+optDefault("-dt", "0.01");
+real rhoFluid = 960, mu = 0.058, gravityX = 0, gravityY = 0, gravityZ = {gravity}, R = 0.0075;
+int[int] flowNoSlip = [labelWall], flowSlip = [labelLeft, labelFront], flowMoving(0), flowOutlet(0);
+func real boundaryRamp(real t) {{ return 1; }}
+macro caseParticles() {particles} // EOM
+{more}
+include "scripts/spheres.edp"
+"""
+
+
+def scene(particles, gravity=-9.81, more=""):
+    return SCENE.format(particles=particles, gravity=gravity, more=more)
+
+
+@pytest.fixture(scope="module")
+def box(tmp_path_factory):
+    """A closed box of 60 x 60 x 60 mm, 3 elements to the diameter of a sphere of 15 mm."""
+    return make_mesh(tmp_path_factory.mktemp("box") / "box.mesh", "settling_sphere", "--part", "whole", "--width", 0.06, "--height",
+        0.06, "--corridor-top", 0.06, "--corridor", 0.03, "--size", 0.005)
+
+
+def test_convection_is_that_of_freefem(freefem_text):
+    """The filled matrix against an assembled one, for a quadratic field, which is exact in P2."""
+    text = freefem_text("""
+include "lib/core/errors.idp"
+load "msh3"
+int[int] flowNoSlip = [1, 2, 3, 4, 5, 6], flowMoving(0), flowOutlet(0), flowSlip(0);
+mesh3 Th = cube(3, 2, 4, [x + 0.1*y, y - 0.2*x*z, 2*z]);
+include "lib/spheres/convection.idp"
+skewSetUp();
+spaceWh a = 1 + x*3 + y^2, b = 0.3 - 5*z*x, c = x - y*2 + z^2, f = sin(3*x)*cos(2*y) + z;
+varf skew(u, w) = int3d(Th)(0.65*((a*dx(u) + b*dy(u) + c*dz(u))*w - (a*dx(w) + b*dy(w) + c*dz(w))*u));
+matrix exact = skew(spaceWh, spaceWh), A = spaceM;
+real[int] base = spaceCM, coef = base;
+skewFill(a[], b[], c[], base, 1.3, coef);
+A.coef = coef;
+real[int] r = exact*f[], s = spaceM*f[], t = A'*f[];
+real size = r.l2;
+r += s; r -= t;
+cout << "off " << r.l2/size << endl;
+""").stdout
+    assert float(text.split("off ")[1].split()[0]) < 1e-12
+
+
+@pytest.mark.parametrize("cells, within", [(4, 0.015), (8, 0.003)])
+def test_drag_in_a_cubic_array(cells, within, freefem, tmp_path):
+    """Zick & Homsy (1982): 2.810 at a solid fraction of 0.064; 4 and 8 elements to the diameter."""
+    mesh = make_mesh(tmp_path / "cell.mesh", "sphere_array", "--size", 0.5 / cells)
+    freefem("cases/sphere_array.edp", "-mesh", mesh, "-out", tmp_path / "run")
+    assert read_table(tmp_path / "run/array.csv")["drag"][-1] == pytest.approx(2.810, rel=within)
+
+
+def test_a_sphere_falls_as_measured(freefem, tmp_path):
+    """ten Cate et al. (2002), fourth oil: peak speed 0.955 of 0.128 m/s, within 3 % with 4 elements to the diameter; the sphere
+    comes to rest on the floor without overlap, and a restart continues byte for byte."""
+    run, again = tmp_path / "run", tmp_path / "again"
+    freefem("cases/settling_sphere.edp", "-tend", 1.3, "-checkpoint", 100, "-out", run)
+    rows = read_table(run / "particles.csv")
+    assert -rows["w"].min() / 0.128 == pytest.approx(0.955, rel=0.03)
+    assert rows["z"].min() > 0.0075 * (1 - 1e-9) and rows["z"][-1] == pytest.approx(0.0075, rel=1e-3)
+    assert abs(rows["w"][-1]) < 1e-3 and not rows["x"].any() and not rows["omega_x"].any()
+    freefem("cases/settling_sphere.edp", "-tend", 1.05, "-checkpoint", 105, "-out", again)
+    freefem("cases/settling_sphere.edp", "-tend", 1.3, "-checkpoint", 100, "-restart", again, "-out", again)
+    assert (again / "particles.csv").read_bytes() == (run / "particles.csv").read_bytes()
+
+
+def test_spheres_in_a_heap_neither_overlap_nor_move(box, freefem_text, tmp_path):
+    """Three on the floor, touching, and one that falls onto them; they come to rest, each contact presses, and the floor carries
+    the weight less the buoyancy."""
+    three = "".join(
+        f"bodySphere({float(0.0087 * np.cos(a))!r}, {float(0.0087 * np.sin(a))!r}, R, R, 1800); "
+        for a in np.radians([0, 120, 240]))
+    freefem_text(scene(three + "bodySphere(0, 0, 0.024, R, 1800); sphereHeld(0); sphereHeld(1); sphereHeld(2);"), "-mesh", box,
+        "-tend", 0.6, "-every", 0.05, "-out", tmp_path / "run")
+    fluid, rows = read_table(tmp_path / "run/fluid.csv"), read_table(tmp_path / "run/particles.csv")
+    assert fluid["worst_gap"].min() > -1e-6 * 0.0075
+    top = rows["id"] == 3
+    touching = 0.0075 + np.sqrt(0.015**2 - 0.0087**2)
+    assert rows["z"][top][-1] == pytest.approx(touching, abs=1e-5) and abs(rows["w"][top][-1]) < 1e-4
+    presses = read_table(tmp_path / "run/contacts.csv")
+    last = presses["t"] == presses["t"].max()
+    weight = (1800 - 960) * 9.81 * 4 / 3 * np.pi * 0.0075**3
+    lift = abs((presses["impulse"] * presses["nz"])[last]).sum() / 0.01
+    assert last.sum() == 3 and lift == pytest.approx(weight, rel=0.02)
+
+
+@pytest.mark.parametrize("particles, said", [
+    ("bodySphere(0, 0, 0.2, R, 1000);", "outside of the mesh"),
+    ("bodySphere(0, 0, 0.006, R, 1000);", "overlaps a wall"),
+    ("bodySphere(0, 0, 0.03, R, 1000); bodySphere(0.01, 0, 0.03, R, 1000);", "overlaps sphere"),
+])
+def test_inadmissible_spheres_are_refused(particles, said, box, freefem_text, tmp_path):
+    run = freefem_text(scene(particles), "-mesh", box, "-out", tmp_path / "run", check=False)
+    assert run.returncode == 5 and said in run.stderr and run.stderr.count("\n") == 1
+
+
+def test_bad_input_is_refused(freefem_refused, tmp_path):
+    """A plane mesh, a mesh that is cut off, a plane of symmetry beside a centre, files of particles."""
+    case = "cases/settling_sphere.edp"
+    assert "not three-dimensional" in freefem_refused(3, case, "-mesh", "meshes/settling_disk.mesh", "-out", tmp_path / "a")
+    text = (ROOT / "meshes/settling_sphere.mesh").read_text().splitlines()
+    (tmp_path / "cut.mesh").write_text("\n".join(text[: len(text) // 2]))
+    assert "not complete" in freefem_refused(3, case, "-mesh", tmp_path / "cut.mesh", "-out", tmp_path / "a")
+    assert "plane of symmetry" in freefem_refused(5, case, "-x", 0.001, "-out", tmp_path / "a")
+    for content, said in (("id,x,y,z,radius\n0,0,0,0.1,1\n", "lacks the column density"),
+                          ("id,x,y,z,radius,density\n0,0,0,0.1,1\n", "line 2 has 5 entries"),
+                          ("id,x,y,z,radius,density\n0,0,0,a,1,1\n", "is no number")):
+        (tmp_path / "spheres.csv").write_text(content)
+        assert said in freefem_refused(3, case, "-particles", tmp_path / "spheres.csv", "-out", tmp_path / "a")
