@@ -102,7 +102,7 @@ def noise_v(run, start=math.nan, end=math.nan, particle=-1):
 def peak_speed(run, particle=-1):
     """Largest speed of a particle."""
     track = _track(run, particle)
-    return float(np.hypot(track["u"], track["v"]).max())
+    return float(np.linalg.norm([track[name] for name in ("u", "v", "w") if name in track], axis=0).max())
 
 
 def final_x(run, particle=-1):
@@ -189,7 +189,7 @@ def closed(run, most):
     """Whether the largest flux is none but rounding."""
     if most == 0 or "top_speed" not in run.fluid or run.mesh is None:
         return most == 0
-    return most < NO_FLUX * run.fluid["top_speed"].max() * max(run.extent[2:])
+    return most < NO_FLUX * run.fluid["top_speed"].max() * max(run.extent[len(run.extent) // 2:])
 
 
 def flux_error(run):

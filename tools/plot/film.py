@@ -11,8 +11,8 @@ import numpy as np
 
 from tools.base.command import BadInput
 from tools.base.run_folder import own
-from tools.plot.style import (draw_boundary, draw_speed, draw_streamlines, fitting, frame, label_of, lowest_with, panels,
-    particle_artists, plt, scale_of, shown_of, time_text)
+from tools.plot.style import (draw_boundary, draw_particles, draw_speed, draw_streamlines, fitting, frame, label_of, lowest_with,
+    panels, plt, scale_of, shown_of, time_text)
 
 DPI = 160
 
@@ -42,7 +42,7 @@ def pictures(run, frames, show="speed"):
     figure, (axes,), bar = panels(1, run.extent, height=6.4, lowest=lowest_with(label))
     figure.set_dpi(DPI)
     draw_boundary(axes, run)
-    frame(axes, run.extent, length)
+    frame(axes, run.extent, length, names=run.names)
     inches = figure.get_size_inches()
     heading = figure.text(0.5, axes.get_position().y1 + 0.06 / inches[1], "", ha="center", va="bottom")
     drawn, shape, bodies = None, None, []
@@ -65,7 +65,7 @@ def pictures(run, frames, show="speed"):
         elif bar is not None:
             bar.remove()
             bar = None
-        bodies = particle_artists(axes, run.particles_at(t), clip=run.clip, spokes=run.turns) if run.has("particles") else []
+        bodies = draw_particles(axes, run, t)
         heading.set_text(fitting([f"{run.title}, {time_text(t, second)}", time_text(t, second)], inches[0]))
         yield shot(figure)
     plt.close(figure)

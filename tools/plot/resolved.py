@@ -1,10 +1,13 @@
 """Pictures of a run: velocity and particles at six times, trajectories, time series, film.
 
     python -m tools.plot RUN [--out DIR] [--no-film] [--only fields trajectories series film] [--show vorticity]
+    python -m tools.plot RUN_OF_SPHERES --plane y=0.1
 
 Writes fields.png, trajectories.png, series.png and film.mp4 (a gif where no mp4 can be
 made) into DIR, by default the run folder itself, and prints where they are. What a run
-does not hold (no particles, no field files) is left out and said.
+does not hold (no particles, no field files) is left out and said. A run of spheres in three
+dimensions is shown in a plane: filled circles are the spheres that it cuts, thin ones those
+in front of it (solid) and behind it (dashed); the paths are drawn in two projections.
 """
 from functools import partial
 from pathlib import Path
@@ -13,9 +16,11 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator, NullFormatter
 
 from tools.base.command import BadInput, Parser, whole
+from tools.plot import spheres
 from tools.plot.film import make_film
-from tools.plot.style import (LINE_MAP, PAGE_WIDTH, ROUNDING, SHOWN, clip_to, curve, draw_boundary, draw_speed, draw_streamlines,
-    fitting, frame, headline, label_of, lowest_with, panels, particle_artists, plt, save, scale_of, shown_of, time_text)
+from tools.plot.style import (CURVES, LINE_MAP, PAGE_WIDTH, ROUNDING, SHOWN, clip_to, curve, draw_boundary, draw_particles,
+    draw_speed, draw_streamlines, fitting, frame, headline, label_of, lowest_with, panels, particle_artists, plt, save, scale_of,
+    shown_of, time_text, title)
 from tools.base.quantities import closed
 from tools.base.run_folder import RunFolder
 
@@ -57,9 +62,8 @@ def plot_fields(run, path, number=6, show="speed"):
             if show == "stream":
                 draw_streamlines(one, field[0], drawn_values[k], scale)
         draw_boundary(one, run)
-        if run.has("particles"):
-            particle_artists(one, run.particles_at(t), clip=run.clip, spokes=run.turns)
-        frame(one, run.extent, length)
+        draw_particles(one, run, t)
+        frame(one, run.extent, length, names=run.names)
         when = time_text(t, second, chosen[-1][0])
         one.set_title(fitting([when, when[4:], when.split()[2], f"{t:.2g}"], one.room - 0.1), pad=3)
     if drawn is not None:
@@ -67,15 +71,10 @@ def plot_fields(run, path, number=6, show="speed"):
     else:
         bar.remove()
     name = {"speed": "velocity", "stream": "streamlines"}.get(show, show)
-    what = f"{name} and particles" if with_velocity and run.has("particles") else name if with_velocity else "particles"
+    bodies = "spheres" if run.in_space else "particles"
+    what = f"{name} and {bodies}" if with_velocity and run.has("particles") else name if with_velocity else bodies
     headline(figure, title(run, what, figure.get_figwidth()))
     return save(figure, path)
-
-
-def title(run, what, inches):
-    """'case: what', or only the case where the figure is too narrow for both."""
-    text = f"{run.title}: {what}"
-    return text if len(text) * 0.075 < inches else what
 
 
 def broken(track, extent, period=(0, 0)):
@@ -135,7 +134,8 @@ def plot_trajectories(run, path):
 
 def series(run):
     """The panels of the time series: [(label of the axis, [(name, values)], log scale)];
-    a column that the run did not write is left out."""
+    a column that the run did not write is left out. Curves that are not of fluid.csv have their times too:
+    (name, values, times)."""
     table = run.fluid
     length, second = run.units["length"], run.units["time"]
     pressure, energy = run.units_per_depth["pressure"], run.units_per_depth["energy"]
@@ -162,6 +162,8 @@ def series(run):
         wanted.append(("norm of div u /\nlargest speed", [("", table["divergence"] / speed)], True))
     def tells(label, curves):  # a closed box has no flux and no pressure drop, a flow alone no particles
         return any(np.isfinite(v).any() and (v.any() or label not in (wanted[0][0], wanted[1][0], "number")) for _, v in curves)
+    if run.in_space:
+        return spheres.track_panels(run) + [panel for panel in wanted if tells(*panel[:2]) and spheres.tells(run, *panel[:2])]
     return [panel for panel in wanted if tells(*panel[:2])]
 
 
@@ -176,11 +178,12 @@ def plot_series(run, path):
     figure, axes = plt.subplots(rows, columns, figsize=(PAGE_WIDTH, 0.5 + 1.75 * rows), sharex=True, layout="constrained",
                                 squeeze=False)
     for one, (label, curves, log) in zip(axes.flat, wanted):
-        for k, (name, values) in enumerate(curves):
-            one.plot(t, np.where(values > 0, values, np.nan) if log else values, label=name, **curve(k),
+        for k, (name, values, *own) in enumerate(curves):
+            one.plot(own[0] if own else t, np.where(values > 0, values, np.nan) if log else values, label=name,
+                     **(curve(k) if len(curves) <= len(CURVES) else {"color": LINE_MAP(k / len(curves)), "linewidth": 0.7}),
                      **({"marker": ".", "markersize": 3 if len(t) > 1 else 7} if len(t) == 1 or log
                          and (len(t) <= 150 or np.count_nonzero(values > 0) <= 150) else {}))
-        if log and any((values > 0).any() for _, values in curves):
+        if log and any((values > 0).any() for _, values, *_ in curves):
             one.set_yscale("log")
             one.yaxis.set_minor_formatter(NullFormatter())
             low, high = one.get_ylim()
@@ -190,10 +193,10 @@ def plot_series(run, path):
             one.text(0.5, 0.5, f"below {ROUNDING:g} throughout" if "overlap" in label else "zero throughout",
                 transform=one.transAxes, ha="center", va="center")
             one.set_yticks([])
-        if len(curves) > 1:  # in a row above the curves
+        if 1 < len(curves) <= len(CURVES):  # in a row above the curves
             low, high = one.get_ylim()
             one.set_ylim(low, high + 0.2 * (high - low))
-            one.legend(loc="upper center", ncols=len(curves))
+            one.legend(loc="upper center", ncols=min(len(curves), 4))
         if label == "number":
             one.yaxis.set_major_locator(MaxNLocator(integer=True))
         one.set_ylabel(label)
@@ -207,7 +210,7 @@ def plot_series(run, path):
         if shown:
             axes[shown[-1], column].set_xlabel(f"t ({run.units['time']})")
             axes[shown[-1], column].tick_params(labelbottom=True)
-    figure.suptitle(f"{run.title}: time series", fontsize=10)
+    figure.suptitle(f"{RunFolder.title.fget(run)}: time series", fontsize=10)
     return save(figure, path)
 
 
@@ -219,6 +222,8 @@ def parser():
     options.add_argument("--only", nargs="+", choices=MADE, metavar="WHAT", help="some of: " + ", ".join(MADE))
     options.add_argument("--show", choices=SHOWN, default="speed", help="of the fields, in picture and film: " + ", ".join(SHOWN)
         + " (default speed)")
+    options.add_argument("--plane", metavar="y=0.1", help="of a run in three dimensions: the plane that is shown (default: the "
+        "first that cuts a sphere: the middle of y, a side normal to y, the same of x)")
     options.add_argument("--no-film", action="store_true", help="no film")
     options.add_argument("--gif", action="store_true", help="the film as a gif even where an mp4 can be made")
     options.add_argument("--frames", type=whole(2), default=300, metavar="N", help="most frames of the film (default 300)")
@@ -233,6 +238,12 @@ def main(words=None):
         raise BadInput(f"{given.run} is a steady flow; python -m tools.plot_steady draws it")
     if run.has("motion"):
         raise BadInput(f"{given.run} is a run of contacts alone; python -m tools.plot_contacts draws it")
+    if run.in_space:
+        if given.show != "speed":
+            raise BadInput(f"{given.run} is a run in three dimensions, whose fields hold no {given.show}")
+        run = spheres.SphereRun(given.run, given.plane and spheres.plane_of(given.plane))
+    elif given.plane:
+        raise BadInput(f"--plane is for runs in three dimensions; {given.run} is a plane run")
     run.warn_unfinished()
     out = Path(given.out or given.run)
     out.mkdir(parents=True, exist_ok=True)
@@ -243,6 +254,8 @@ def main(words=None):
             reason = "no field files and no particles (fields are written when asked for)"
         elif name == "trajectories" and not (run.has("particles") and len(run.particles["t"])):
             reason = "no rows in particles.csv"
+        elif name == "trajectories" and run.in_space and not spheres.moving(run):
+            reason = "no sphere moves"
         elif name == "series" and run.has("steps") and not run.has("fluid"):
             reason = "a transport run has no fluid.csv (python -m tools.plot_transport draws the particles over the flow)"
         elif name == "series" and not (run.has("fluid") and len(run.fluid["t"]) and series(run)):
@@ -257,7 +270,8 @@ def main(words=None):
         if name == "film":
             path = make_film(run, out, most=given.frames, gif=given.gif, show=given.show)
         else:
-            draw = {"fields": partial(plot_fields, show=given.show), "trajectories": plot_trajectories, "series": plot_series}[name]
+            draw = {"fields": partial(plot_fields, show=given.show), "trajectories": spheres.plot_trajectories if run.in_space
+                else plot_trajectories, "series": plot_series}[name]
             path = draw(run, out / f"{name}.png")
         made += 1
         bare = name == "fields" and all(field is None for _, field in run.frames)

@@ -136,8 +136,9 @@ def fit_heights(axes, inches):
         axes.yaxis.set_major_locator(FixedLocator(ticks[len(ticks) // 2:][:1]))
 
 
-def frame(axes, extent, length="m", pad=0.015):
-    """Limits with a small border, in proportion so that the panel is filled; equal aspect, labels with the unit of length."""
+def frame(axes, extent, length="m", pad=0.015, names=("x", "y")):
+    """Limits with a small border, in proportion so that the panel is filled; equal aspect, labels with the names of the coordinates
+    and the unit of length."""
     x0, y0, w, h = extent
     axes.set_aspect("equal")
     axes.set_xlim(x0 - pad * w, x0 + w + pad * w)
@@ -148,9 +149,9 @@ def frame(axes, extent, length="m", pad=0.015):
     for side in axes.spines.values():
         side.set_visible(False)
     if getattr(axes, "last_row", True):
-        axes.set_xlabel(f"x ({length})")
+        axes.set_xlabel(f"{names[0]} ({length})")
     if getattr(axes, "first_column", True):
-        axes.set_ylabel(f"y ({length})")
+        axes.set_ylabel(f"{names[1]} ({length})")
 
 
 def draw_outline(axes, mesh, open_ends=OPEN):
@@ -180,6 +181,21 @@ def draw_boundary(axes, run):
 def headline(figure, text):
     """The title of a whole figure."""
     figure.text(0.5, 1 - 0.1 / figure.get_figheight(), text, ha="center", va="top", fontsize=10)
+
+
+def title(run, what, inches):
+    """'case: what', or only the case where the figure is too narrow for both."""
+    text = f"{run.title}: {what}"
+    return text if len(text) * LETTER < inches else what
+
+
+def draw_particles(axes, run, time):
+    """The particles of a run at a time, none where it has none. Returns the artists, for removal."""
+    if not run.has("particles"):
+        return []
+    if run.in_space:  # a SphereRun (tools/plot/spheres.py)
+        return run.draw_particles(axes, time)
+    return particle_artists(axes, run.particles_at(time), clip=run.clip, spokes=run.turns)
 
 
 def particle_artists(axes, particles, zorder=5, clip=None, spokes=True):
@@ -217,7 +233,7 @@ def draw_speed(axes, mesh, speed, top, low=0.0, colours=FIELD_MAP):
 
 def speed_of(values):
     """|velocity| at the vertices."""
-    return np.hypot(values["velocity"][:, 0], values["velocity"][:, 1])
+    return np.linalg.norm(values["velocity"], axis=1)
 
 
 def speed_top(speeds):
