@@ -6,7 +6,7 @@ from tests.conftest import ROOT, make_mesh
 from tools.base.tables import read_table
 
 SCENE = """
-include "lib/case_3d.idp"
+include "lib/spheres/case.idp"
 optCase("scene", "spheres of tests/spheres");
 optDefault("-dt", "0.01");
 real rhoFluid = 960, mu = 0.058, gravityX = 0, gravityY = 0, gravityZ = {gravity}, R = 0.0075;

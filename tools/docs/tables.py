@@ -29,6 +29,7 @@ PARTICLES = "lib/bodies/particle_table.idp"
 RECORD = "lib/record/record.idp"
 TRANSPORT = "scripts/transport.edp"
 CONTACTS = "scripts/contacts.edp"
+SPHERES = "lib/spheres/record.idp"
 FLUID = (RECORD, "step, t, dt (s), iterations", "Exit codes")
 TABLES = [
     Table("particles.csv", "every run with particles", PARTICLES, (PARTICLES, "step, t (s), id", "; contacts.csv")),
@@ -51,6 +52,10 @@ TABLES = [
         "t, momentum (N s/m)", "bodyBudgetStep")),
     Table("budget.csv", "`flow.edp` with `-budget 1`", "lib/record/flow_budget.idp", ("lib/record/flow_budget.idp",
         "gained: increase", "Needs:")),
+    Table("particles.csv", "`spheres.edp`", SPHERES, (SPHERES, "step, t (s), id, x, y, z", "contacts.csv ")),
+    Table("contacts.csv", "`spheres.edp`", SPHERES, (SPHERES, "t (s), i, j (ids; -1 - k", "fluid.csv ")),
+    Table("fluid.csv", "`spheres.edp`", SPHERES, (SPHERES, "step, t, dt (s), iterations", "Exit codes")),
+    Table("exits.csv", "`spheres.edp`", "lib/spheres/leave.idp", ("lib/spheres/leave.idp", "t, s; id", "leaveFind")),
     Table("motion.csv", "`contacts.edp`", CONTACTS, (CONTACTS, "step, t (s), kinetic", "walls.csv ")),
     Table("wallmoves.csv", "`contacts.edp`", CONTACTS, (CONTACTS, "t,wall,x1", "Checkpoints")),
     Table("entries.csv", "`transport.edp`", "lib/transport/record.idp", (TRANSPORT, "t (s), id, x, y (m)", "exits.csv ")),

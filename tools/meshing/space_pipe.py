@@ -10,7 +10,8 @@ from tools.meshing.options import add_length, add_size, require
 from tools.meshing.space_mesh import finished
 from tools.meshing.unstructured import with_gmsh
 
-QUIET = {"Mesh.MeshSizeExtendFromBoundary": 0, "Mesh.MeshSizeFromPoints": 0, "Mesh.MeshSizeFromCurvature": 0, "Mesh.Algorithm3D": 10}
+QUIET = {"Mesh.MeshSizeExtendFromBoundary": 0,
+    "Mesh.MeshSizeFromPoints": 0, "Mesh.MeshSizeFromCurvature": 0, "Mesh.Algorithm3D": 10}
 
 
 def add_options(parser):
