@@ -141,10 +141,11 @@ class SphereRun(RunFolder):
         artists = particle_artists(axes, (ids[cut], x[cut], y[cut], 0 * inner, inner, inner), clip=self.clip, spokes=False)
         outlined = ~cut
         outlined[cut] = inner < 0.98 * radius[cut]  # those that it cuts beside their middle too
+        colour = "white" if self.fields else "#707070"  # over a field, over paper
         for side, dashes in RIM.items():
             these = outlined & ((ahead > 0) == (side == "front"))
             circles = PatchCollection([Ellipse((a, b), 2 * r, 2 * r) for a, b, r in zip(x[these], y[these], radius[these])],
-                facecolor="none", edgecolor="white", linewidth=0.7, linestyle=dashes, zorder=4.8 if side == "behind" else 5.2)
+                facecolor="none", edgecolor=colour, linewidth=0.7, linestyle=dashes, zorder=4.8 if side == "behind" else 5.2)
             artists.append(axes.add_collection(circles, autolim=False))
             clip_to(axes, circles, self.clip)
         return artists
@@ -197,9 +198,9 @@ def track_panels(run):
 
 
 def tells(run, label, curves):
-    """Whether a panel of fluid.csv says something of spheres: their number where it changes, overlaps where there are any."""
+    """Whether a panel of fluid.csv says something of spheres: numbers of several where they change, overlaps where there are any."""
     if label == "number":
-        return any(np.ptp(values) > 0 for _, values in curves)
+        return len(run.tracks) > 1 and any(np.ptp(values) > 0 for _, values in curves)
     return "overlap" not in label or any((values > 0).any() for _, values in curves)
 
 
