@@ -43,6 +43,9 @@ CASES = {
     "ellipse_in_shear": ["-tend", "0.1"],
     "segre_silberberg": ["-tend", "2"],
     "carried_disk": ["-tend", "0.02"],
+    "settling_sphere": ["-tend", "0.02"],
+    "sphere_array": ["-tend", "0.04"],
+    "pipe_spheres": ["-tend", "0.04", "-number", "3"],
 }
 # Cases that take long on their default mesh: the options of tools.mesh of a coarser one. tests/mesh/test_mesh.py looks at the
 # labels of the default meshes.

@@ -29,13 +29,14 @@ def _time_mean(values, times):
 HOWS = {"first": lambda v: v[0], "last": lambda v: v[-1], "min": np.min, "max": np.max, "mean": np.mean, "sum": np.sum,
     "std": lambda v: np.std(v, ddof=1) if len(v) > 1 else 0.0, "range": np.ptp, "timemean": None}
 # what a column measures, as a product of powers of the units of length, time and mass
-LENGTHS, SPEEDS = ("x", "y", "radius", "gap", "worst_gap"), ("u", "v", "top_speed", "divergence")
+LENGTHS, SPEEDS = ("x", "y", "z", "radius", "gap", "worst_gap"), ("u", "v", "w", "top_speed", "divergence")
 POWERS = {**dict.fromkeys(LENGTHS, (1, 0, 0)), **dict.fromkeys(SPEEDS, (1, -1, 0)), "t": (0, 1, 0), "dt": (0, 1, 0),
-    "omega": (0, -1, 0), "kinetic_energy": (1, -2, 1), "potential_energy": (1, -2, 1), "pressure_drop": (-1, -2, 1),
-    "flux_in": (2, -1, 0), "flux_out": (2, -1, 0), "flux": (2, -1, 0), "fx": (0, -2, 1), "fy": (0, -2, 1), "torque": (1, -2, 1),
-    "impulse": (0, -1, 1)}
+    **dict.fromkeys(("omega", "omega_x", "omega_y", "omega_z"), (0, -1, 0)), "kinetic_energy": (1, -2, 1), "potential_energy": (1, -2, 1),
+    "pressure_drop": (-1, -2, 1), "flux_in": (2, -1, 0), "flux_out": (2, -1, 0), "flux": (2, -1, 0), "fx": (0, -2, 1), "fy": (0, -2, 1),
+    "torque": (1, -2, 1), "impulse": (0, -1, 1)}
 SI = {"length": "m", "time": "s", "mass": "kg"}
 IN_SI = {(-1, -2, 1): "Pa", (1, -2, 1): "J/m", (0, -2, 1): "N/m", (0, -1, 1): "N s/m"}  # per unit of depth
+PER_DEPTH = ((1, -2, 1), (0, -2, 1), (0, -1, 1), (2, -1, 0))  # energy, force, impulse, flux: of the whole in three dimensions
 CONDITION = re.compile(r"(\w+)(<=|>=|=|<|>)(.+)")
 
 
@@ -119,7 +120,16 @@ def unit_of(text, run):
     if words[-1] == "rows":
         return ""
     near = [name for name in POWERS if name == words[0] or len(words[0]) > 2 and name.startswith(words[0])]
-    return product(POWERS[words[0] if words[0] in near else near[0]], run.units) if near else ""
+    return unit_in(POWERS[words[0] if words[0] in near else near[0]], run) if near else ""
+
+
+def unit_in(powers, run):
+    """Powers of length, time and mass in names of the units of a RunFolder; of a plane run some are per unit of depth."""
+    if not (run.in_space and powers in PER_DEPTH):
+        return product(powers, run.units)
+    if run.units == SI and powers in IN_SI:
+        return IN_SI[powers].removesuffix("/m")
+    return product((powers[0] + 1, *powers[1:]), run.units)
 
 
 def product(powers, units):

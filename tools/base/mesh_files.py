@@ -33,14 +33,11 @@ class Mesh:
 def read_mesh(path):
     """The Mesh of a plane medit file, of FreeFEM's savemesh or of meshio. Edges with triangles on both sides are no sides and are
     left out."""
+    words = words_of(path)
     try:
-        words = re.sub(r'"[^"]*"', " ", re.sub(r"#.*", " ", Path(path).read_text(encoding="utf-8"))).split()
-    except (OSError, UnicodeDecodeError) as problem:
-        raise BadInput(f"cannot read the mesh {path}: {problem}") from None
-    try:
-        vertices, _ = _section(words, "Vertices", 2, float)
-        triangles, _ = _section(words, "Triangles", 3, int)
-        edges, labels = _section(words, "Edges", 2, int)
+        vertices, _ = section(words, "Vertices", 2, float)
+        triangles, _ = section(words, "Triangles", 3, int)
+        edges, labels = section(words, "Edges", 2, int)
         if words[words.index("Dimension") + 1] != "2" or not len(triangles):
             raise ValueError
         if not np.isfinite(vertices).all():
@@ -56,8 +53,16 @@ def read_mesh(path):
     return Mesh(vertices, triangles - 1, edges[outer] - 1, labels[outer])
 
 
-def _section(words, keyword, width, kind):
-    """A section's (count, width) entries and their labels."""
+def words_of(path):
+    """The words of a medit file, without comments and quoted texts."""
+    try:
+        return re.sub(r'"[^"]*"', " ", re.sub(r"#.*", " ", Path(path).read_text(encoding="utf-8"))).split()
+    except (OSError, UnicodeDecodeError) as problem:
+        raise BadInput(f"cannot read the mesh {path}: {problem}") from None
+
+
+def section(words, keyword, width, kind):
+    """A section's (count, width) entries and their labels. Raises ValueError or IndexError where it is not whole."""
     if keyword not in words:
         return np.empty((0, width), kind), np.empty(0, int)
     at = words.index(keyword) + 1
@@ -66,13 +71,18 @@ def _section(words, keyword, width, kind):
     return rows[:, :width].astype(kind), rows[:, width].astype(float).astype(int)
 
 
-def read_field(path):
-    """(Mesh without edges, {"velocity": (n, 2), ...}) of a .vtu; scalars have shape (n,)."""
+def read_vtu(path):
+    """The meshio.Mesh of a .vtu file."""
     try:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-            data = meshio.read(path)
+            return meshio.read(path)
     except (Exception, SystemExit):  # meshio ends the process on some bad files
         raise BadInput(f"cannot read the field {path}: it is not a whole .vtu file") from None
+
+
+def read_field(path):
+    """(Mesh without edges, {"velocity": (n, 2), ...}) of a .vtu; scalars have shape (n,)."""
+    data = read_vtu(path)
     triangles = [block.data for block in data.cells if block.type == "triangle"]
     if not triangles:
         raise BadInput(f"{path} holds no triangles")

@@ -62,6 +62,13 @@ def _track(run, particle):
     return tracks[one]
 
 
+def _of(track, name):
+    """A column of the rows of a particle; of spheres in three dimensions others than of disks."""
+    if name not in track:
+        raise ValueError(f"particles.csv has no column {name}; it has {', '.join(track)}")
+    return track[name]
+
+
 def _column(run, name):
     """A column of fluid.csv and its times."""
     if name not in run.fluid or not len(run.fluid["t"]):
@@ -72,19 +79,25 @@ def _column(run, name):
 def mean_u(run, start=math.nan, end=math.nan, particle=-1):
     """Mean velocity u of a particle over a window (the case's, else the last quarter)."""
     track = _track(run, particle)
-    return _mean(run, track["t"], track["u"], start, end)
+    return _mean(run, track["t"], _of(track, "u"), start, end)
 
 
 def mean_v(run, start=math.nan, end=math.nan, particle=-1):
     """Mean velocity v of a particle over a window (the case's, else the last quarter)."""
     track = _track(run, particle)
-    return _mean(run, track["t"], track["v"], start, end)
+    return _mean(run, track["t"], _of(track, "v"), start, end)
+
+
+def mean_w(run, start=math.nan, end=math.nan, particle=-1):
+    """Mean velocity w of a sphere over a window (the case's, else the last quarter), in three dimensions."""
+    track = _track(run, particle)
+    return _mean(run, track["t"], _of(track, "w"), start, end)
 
 
 def mean_omega(run, start=math.nan, end=math.nan, particle=-1):
     """Mean angular velocity of a particle over a window (the case's, else the last quarter)."""
     track = _track(run, particle)
-    return _mean(run, track["t"], track["omega"], start, end)
+    return _mean(run, track["t"], _of(track, "omega"), start, end)
 
 
 def noise_v(run, start=math.nan, end=math.nan, particle=-1):
@@ -104,7 +117,7 @@ def noise_v(run, start=math.nan, end=math.nan, particle=-1):
 def peak_speed(run, particle=-1):
     """Largest speed of a particle."""
     track = _track(run, particle)
-    return float(np.hypot(track["u"], track["v"]).max())
+    return float(np.linalg.norm([track[name] for name in ("u", "v", "w") if name in track], axis=0).max())
 
 
 def final_x(run, particle=-1):
@@ -117,9 +130,14 @@ def final_y(run, particle=-1):
     return float(_track(run, particle)["y"][-1])
 
 
+def final_z(run, particle=-1):
+    """z of a sphere at the end, or when it left, in three dimensions."""
+    return float(_of(_track(run, particle), "z")[-1])
+
+
 def final_theta(run, particle=-1):
     """Angle of a particle at the end, or when it left, rad."""
-    return float(_track(run, particle)["theta"][-1])
+    return float(_of(_track(run, particle), "theta")[-1])
 
 
 def mean_kinetic_energy(run, start=math.nan, end=math.nan):
@@ -191,7 +209,7 @@ def closed(run, most):
     """Whether the largest flux is none but rounding."""
     if most == 0 or "top_speed" not in run.fluid or run.mesh is None:
         return most == 0
-    return most < NO_FLUX * run.fluid["top_speed"].max() * max(run.extent[2:])
+    return most < NO_FLUX * run.fluid["top_speed"].max() * max(run.extent[len(run.extent) // 2:])
 
 
 def flux_error(run):

@@ -68,8 +68,8 @@ class Arrays:
         return Bodies(times, ids, found)
 
     def over_time(self, name):
-        """(times (T,), values (T, n) or (T, n, 2)) of a nodal field, such as "pressure" or "velocity", at all times of the fields.
-        Raises BadInput where the run has no fields, or none of that name, or where their meshes differ."""
+        """(times (T,), values (T, n) or (T, n, 2), in three dimensions (T, n, 3)) of a nodal field, such as "pressure" or "velocity",
+        at all times of the fields. Raises BadInput where the run has no fields, or none of that name, or where their meshes differ."""
         if not self.fields:
             raise BadInput(f"the run {self.folder} has no fields: -fields SECONDS writes them")
         values = []

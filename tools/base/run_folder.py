@@ -4,7 +4,9 @@
     run.info["parameters"], run.particles["y"], run.fluid["t"], run.field(k), run.mesh
 
 Everything is read when first asked for. Errors: BadInput naming the file and what is
-wrong. Units are those of the case; run.units gives their names.
+wrong. Units are those of the case; run.units gives their names. A run of spheres in three
+dimensions (in_space) has a SpaceMesh and fields on tetrahedra (tools/base/space_mesh.py),
+an extent (x0, y0, z0, width, depth, height), and particles_at gives (id, x, y, z, radius).
 """
 import csv
 import json
@@ -20,6 +22,7 @@ from tools.base.command import BadInput
 from tools.base.mesh_files import OPEN, read_field, read_mesh
 from tools.base.outlines import read_outlines
 from tools.base.run_arrays import Arrays
+from tools.base.space_mesh import dimension_of, read_space_field, read_space_mesh
 from tools.base.tables import read_table
 
 SI = {"length": "m", "time": "s", "mass": "kg"}
@@ -34,6 +37,7 @@ NEEDED = {"particles": "t id x y theta radius", "fluid": "t", "contacts": "t i j
     "exits": "id t outlet",
           "motion": "step t kinetic_energy potential_energy worst_gap", "walls": "x1 y1 x2 y2", "wallmoves": "t wall x1 y1 x2 y2",
           "wall": "x side shear pressure", "zones": "side separation reattachment"}  # columns without which a table says nothing
+IN_SPACE = {"particles": "t id x y z radius"}  # those of a run in three dimensions
 KINDS = {"parameters": (dict, "an object in braces"), "units": (dict, "an object in braces"),
     "base_units": (dict, "an object in braces"), "sides": (dict, "an object in braces"),
     "period": (list, "two numbers in brackets"), "low": (list, "two numbers in brackets"), "open": (list, "labels in brackets")}
@@ -51,6 +55,7 @@ def own(path):
 
 class RunFolder(Arrays):
     """What a run wrote, by name; as arrays and frames: tools/base/run_arrays.py."""
+    names = "x", "y"  # of the coordinates along the axes of a picture
 
     def __init__(self, folder):
         self.folder = Path(folder)
@@ -140,9 +145,15 @@ class RunFolder(Arrays):
 
     @property
     def units_per_depth(self):
-        """Names of the units of speed, pressure, and of force and energy per unit of depth."""
+        """Names of the units of speed, pressure, and of force and energy per unit of depth; of the whole of these in three
+        dimensions."""
         length, second, mass = (self.units[kind] for kind in ("length", "time", "mass"))
-        if (length, second, mass) == ("m", "s", "kg"):
+        si = (length, second, mass) == ("m", "s", "kg")
+        if self.in_space:
+            return {"speed": f"{length}/{second}", "pressure": "Pa" if si else f"{mass}/({length} {second}$^2$)",
+                "force": "N" if si else f"{mass} {length}/{second}$^2$", "energy": "J" if si else
+                f"{mass} {length}$^2$/{second}$^2$"}
+        if si:
             return {"speed": "m/s", "pressure": "Pa", "force": "N/m", "energy": "J/m"}
         return {"speed": f"{length}/{second}", "pressure": f"{mass}/({length} {second}$^2$)",
                 "force": f"{mass}/{second}$^2$", "energy": f"{mass} {length}/{second}$^2$"}
@@ -203,7 +214,8 @@ class RunFolder(Arrays):
     def columns(self, name, *needed):
         """The columns of NAME.csv to draw or to count: the needed ones (and those of NEEDED) are there, all values finite."""
         table = self.table(name, finite=True)
-        missing = [column for column in (*NEEDED.get(name, "").split(), *needed) if column not in table]
+        always = (NEEDED | IN_SPACE if self.in_space else NEEDED).get(name, "")
+        missing = [column for column in (*always.split(), *needed) if column not in table]
         if missing:
             raise BadInput(f"{self.folder / (name + '.csv')} has no column {missing[0]}")
         return table
@@ -278,13 +290,25 @@ class RunFolder(Arrays):
         return not self.has("steps") or bool(np.any(self.particles["theta"]))
 
     @cached_property
-    def mesh(self):
-        """The mesh of the run (see tools/base/mesh_files.py), None if the folder holds none."""
+    def _mesh_file(self):
+        """The file of the mesh, None if there is none."""
         path = self.folder / "mesh.mesh"
         if path.is_file():
-            return read_mesh(path)
+            return path
         named = self.info.get("mesh")
-        return read_mesh(named) if named and Path(named).is_file() else None
+        return Path(named) if named and Path(named).is_file() else None
+
+    @cached_property
+    def in_space(self):
+        """Whether the run is one in three dimensions, by the head of its mesh."""
+        return self._mesh_file is not None and dimension_of(self._mesh_file) == 3
+
+    @cached_property
+    def mesh(self):
+        """The mesh of the run (see tools/base/mesh_files.py and space_mesh.py), None if the folder holds none."""
+        if self._mesh_file is None:
+            return None
+        return read_space_mesh(self._mesh_file) if self.in_space else read_mesh(self._mesh_file)
 
     @cached_property
     def fields(self):
@@ -318,8 +342,8 @@ class RunFolder(Arrays):
         return [(float(t), None) for t in np.unique(self.particles["t"])]
 
     def field(self, k):
-        """The k-th field file as (mesh, {"velocity": (n, 2), "pressure": (n,)})."""
-        return read_field(self.fields[k][1])
+        """The k-th field file as (mesh, {"velocity": (n, 2), "pressure": (n,)}); in three dimensions the velocity is (n, 3)."""
+        return (read_space_field if self.in_space else read_field)(self.fields[k][1])
 
     @cached_property
     def tracks(self):
@@ -334,11 +358,13 @@ class RunFolder(Arrays):
     def particles_at(self, time):
         """(id, x, y, theta, radius, minor) arrays of the particles inside at a time, linear in time
         between rows, and before the first row of the run this one for who was there from the start.
-        In a periodic domain images() of them; a table that jumps over its seam gives the nearer row."""
+        In a periodic domain images() of them; a table that jumps over its seam gives the nearer row.
+        In three dimensions (id, x, y, z, radius)."""
         rows, begin = [], min((track["t"][0] for track in self.tracks.values()), default=0.0)
         if self.has("fluid") and len(self.fluid["t"]) and begin <= self.fluid["t"][0]:
             time = max(time, begin)
         slack = 1e-5 * abs(time)  # times in fields.pvd may have six digits
+        shown = ("x", "y", "z", "radius") if self.in_space else ("x", "y", "theta", "radius")
         widths = self.extent[2:] if self.mesh is not None else (np.inf, np.inf)
         for one, track in self.tracks.items():
             times = track["t"]
@@ -351,15 +377,19 @@ class RunFolder(Arrays):
             else:
                 low, high = k - 1, k
                 share = float(np.clip((time - times[low]) / max(times[high] - times[low], 1e-300), 0, 1))
-            if not any(self.period) and any(abs(track[c][high] - track[c][low]) > 0.5 * w for c, w in zip("xy", widths)):
+            if not (self.in_space or any(self.period)) and any(abs(track[c][high] - track[c][low]) > 0.5 * w
+                    for c, w in zip("xy", widths)):
                 share = round(share)
-            rows.append([one] + [(1 - share) * track[c][low] + share * track[c][high]
-                                 for c in ("x", "y", "theta", "radius")] + [track["radius"][0] * self.aspect(one)])
+            rows.append([one] + [(1 - share) * track[c][low] + share * track[c][high] for c in shown]
+                + ([] if self.in_space else [track["radius"][0] * self.aspect(one)]))
+        if self.in_space:
+            return np.array(rows, dtype=float).reshape(-1, 5).T
         return self.images(np.array(rows, dtype=float).reshape(-1, 6)).T
 
     @cached_property
     def extent(self):
-        """(x0, y0, width, height) of the mesh, else of the particles' tracks."""
+        """(x0, y0, width, height) of the mesh, else of the particles' tracks; (x0, y0, z0, width, depth, height) in three
+        dimensions."""
         if self.mesh is not None:
             points = self.mesh.points
         else:

@@ -11,6 +11,7 @@ from tools.docs.headers import blocks, header, prose
 
 GROUPS = {
     "particles": "Resolved particles",
+    "spheres": "Spheres in three dimensions",
     "flow": "Flow without particles",
     "turbulence": "Steady turbulent flow",
     "points": "Point particles",

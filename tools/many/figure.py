@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from tools.base.command import BadInput
-from tools.base.expressions import is_expression, product, unit_of
+from tools.base.expressions import is_expression, unit_in, unit_of
 from tools.base.run_folder import RunFolder
 from tools.many.plan import value_of
 from tools.many.table import is_number, mean_and_error, state
@@ -13,9 +13,9 @@ from tools.plot.style import MARKERS, PAGE_WIDTH, curve, plt, save
 
 WIDE = 20  # ratio of the largest to the least value from which an axis is logarithmic
 FEW = 8  # values that are ticks of their own
-NAMED = {"mean_u": (1, -1, 0), "mean_v": (1, -1, 0), "peak_speed": (1, -1, 0), "mean_omega": (0, -1, 0), "final_x": (1, 0, 0),
-    "final_y": (1, 0, 0), "mean_kinetic_energy": (1, -2, 1), "mean_pressure_drop": (-1, -2, 1), "mean_fx": (0, -2, 1),
-    "mean_fy": (0, -2, 1), "mean_torque": (1, -2, 1), "mean_wall_fx": (0, -2, 1), "mean_flux": (2, -1, 0)}
+NAMED = {"mean_u": (1, -1, 0), "mean_v": (1, -1, 0), "mean_w": (1, -1, 0), "peak_speed": (1, -1, 0), "mean_omega": (0, -1, 0),
+    "final_x": (1, 0, 0), "final_y": (1, 0, 0), "final_z": (1, 0, 0), "mean_kinetic_energy": (1, -2, 1), "mean_pressure_drop": (-1, -2, 1),
+    "mean_fx": (0, -2, 1), "mean_fy": (0, -2, 1), "mean_torque": (1, -2, 1), "mean_wall_fx": (0, -2, 1), "mean_flux": (2, -1, 0)}
 
 
 def units(sweep, records):
@@ -31,7 +31,7 @@ def units(sweep, records):
             for name in sweep.quantities:
                 word, _, rest = name.partition(":")
                 found[name] = (unit_of(name, run) if is_expression(name) else run.result_units.get(rest, "") if word == "result"
-                    else product(NAMED[word], run.units) if word in NAMED else "")
+                    else unit_in(NAMED[word], run) if word in NAMED else "")
             return found, {name: str(given.get(f"-{name}", "")) for name in sweep.vary}
     return {}, {}
 

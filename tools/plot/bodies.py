@@ -13,6 +13,9 @@ j, gap, impulse and force. A force is the impulse of the step over its length. I
 to a step: at a time without rows in the tables contacts.pvd is empty and contact_force is nan.
 In a periodic domain what crosses a seam is drawn on both sides. Units are those of the case.
 Exit statuses: 0 done, 3 bad input.
+
+In three dimensions bodies are triangulated spheres, of 320 triangles each, with id, velocity,
+omega, radius and contact_force; their angles are not recorded.
 """
 from pathlib import Path
 
@@ -23,29 +26,16 @@ from tools.base.command import BadInput, Parser, whole
 from tools.base.outlines import placed
 from tools.base.run_folder import RunFolder, own
 from tools.base.tables import write_text
+from tools.plot import sphere_bodies
 from tools.plot.colour import known
+from tools.plot.contact_rows import rows_of, step_length
 from tools.plot.film import thinned
 
 CORNERS = 72  # of a polygon: its area is 0.13 % below that of the particle
-NEAR = 1e-6  # of a time: rows this close are rows of that time
 PVD = """<?xml version="1.0"?>
 <VTKFile type="Collection" version="0.1"><Collection>
 {}</Collection></VTKFile>
 """
-
-
-def step_length(run, time):
-    """The length of the step that ended at a time, nan where the tables do not tell: column dt of fluid.csv, else -dt."""
-    if run.has("fluid") and "dt" in run.fluid and len(run.fluid["t"]):
-        k = int(np.argmin(abs(run.fluid["t"] - time)))
-        return float(run.fluid["dt"][k]) if abs(run.fluid["t"][k] - time) <= NEAR * abs(time) else np.nan
-    return run.parameter("-dt", np.nan)
-
-
-def rows_of(table, time):
-    """The rows of a table at a time, {column: values}; None where the table has none."""
-    there = abs(table["t"] - time) <= NEAR * abs(time)
-    return {name: column[there] for name, column in table.items()} if there.any() else None
 
 
 def reach(n, theta, radius, minor):
@@ -149,8 +139,7 @@ def write_series(folder, name, meshes):
 def write_bodies(run, out, most=1000):
     """Writes both series of a RunFolder into the folder `out`, at `most` times at most; returns their paths. Raises BadInput where
     the run has no particles."""
-    for name in ("u", "v", "omega"):
-        run.columns("particles", name)
+    run.columns("particles", *(("u", "v", "w", "omega_x", "omega_y", "omega_z") if run.in_space else ("u", "v", "omega")))
     if not len(run.particles["t"]):
         raise BadInput(f"{run.folder / 'particles.csv'} has no rows: no particle to show")
     frames = run.frames
@@ -159,10 +148,15 @@ def write_bodies(run, out, most=1000):
         print(f"warning: {len(run.frames)} times are more than {most}: every {len(run.frames) / most:.3g}th is written (--most)")
     bodies, contacts = [], []
     for time, _ in frames:
-        here = run.particles_at(time)
-        lines, values, forces = contact_lines(run, time, here)
-        bodies.append((time, polygons(run, time, here, forces)))
-        points = np.dstack([lines, np.zeros(lines.shape[:2])]).reshape(-1, 3)
+        if run.in_space:
+            lines, values, forces = sphere_bodies.contact_lines(run, time)
+            bodies.append((time, sphere_bodies.spheres(run, time, forces)))
+        else:
+            here = run.particles_at(time)
+            lines, values, forces = contact_lines(run, time, here)
+            bodies.append((time, polygons(run, time, here, forces)))
+            lines = np.dstack([lines, np.zeros(lines.shape[:2])])
+        points = lines.reshape(-1, 3)
         contacts.append((time, meshio.Mesh(points, [("line", np.arange(len(points)).reshape(-1, 2))],
             cell_data={name: [value] for name, value in values.items()})))
     return [write_series(Path(out), "bodies", bodies), write_series(Path(out), "contacts", contacts)]

@@ -6,13 +6,11 @@ Rewrites each fields_*.vtu of fields.pvd in place (zlib), one after another; a c
 leaves whole files, and a later one goes on. --single: values with 4 bytes a number where they have 8.
 Units and values are untouched. Exit statuses: 0 done, 3 bad input.
 """
-import contextlib
-import io
-
 import meshio
 import numpy as np
 
 from tools.base.command import BadInput, Parser
+from tools.base.mesh_files import read_vtu
 from tools.base.run_folder import RunFolder
 from tools.base.tables import whole
 
@@ -24,11 +22,7 @@ def compress(path, single=False):
         packed = b"compressor=" in stream.read(400)
     if packed and not single:
         return before, before
-    try:
-        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-            data = meshio.read(path)
-    except (Exception, SystemExit):  # meshio ends the process on some bad files
-        raise BadInput(f"cannot read the field {path}: it is not a whole .vtu file") from None
+    data = read_vtu(path)
     data.cells = [meshio.CellBlock(block.type, block.data.astype(np.int32)) for block in data.cells]
     if single:
         data.point_data = {name: np.asarray(values, np.float32) for name, values in data.point_data.items()}

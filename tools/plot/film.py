@@ -15,8 +15,8 @@ from tools.base.run_folder import own
 from tools.plot.captions import centre, fold_powers, second_bar
 from tools.plot.colour import Look
 from tools.plot.in_time import FieldsInTime, film_times
-from tools.plot.style import (MARGINS, TWO_BARS, draw_boundary, draw_speed, draw_streamlines, fitting, frame, label_of, lowest_with,
-    panels, particle_artists, plt, scale_of, shown_of, time_text)
+from tools.plot.style import (MARGINS, TWO_BARS, draw_boundary, draw_particles, draw_speed, draw_streamlines, fitting, frame,
+    label_of, lowest_with, panels, plt, scale_of, shown_of, time_text)
 
 DPI = 160
 
@@ -51,7 +51,7 @@ def pictures(run, times, show="speed", colour=None, streamlines=False):
         if with_velocity else look.label or ""))
     figure.set_dpi(DPI)
     draw_boundary(axes, run)
-    frame(axes, run.extent, length)
+    frame(axes, run.extent, length, names=run.names)
     inches = figure.get_size_inches()
     heading = figure.text(0.5, axes.get_position().y1 + 0.06 / inches[1], "", ha="center", va="bottom")
     if look.label:
@@ -75,9 +75,7 @@ def pictures(run, times, show="speed", colour=None, streamlines=False):
                 contours.remove()
             contours = draw_streamlines(axes, mesh, shown_of(values, "stream", run), levels, "#505050" if show == "vorticity"
                 else "white") if lines else None
-        particles = run.particles_at(t) if run.has("particles") else None
-        bodies = [] if particles is None else particle_artists(axes, particles, clip=run.clip, spokes=run.turns,
-            look=look.at(particles, t))
+        bodies = draw_particles(axes, run, t, look)
         heading.set_text(fitting([f"{run.title}, {time_text(t, second, times[-1])}{look.words()}", f"{run.title}, "
             f"{time_text(t, second, times[-1])}", time_text(t, second, times[-1])], inches[0]))
         if count == 0:

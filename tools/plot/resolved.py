@@ -2,6 +2,7 @@
 
     python -m tools.plot RUN [--out DIR] [--no-film] [--only fields trajectories series chains film outlines]
         [--show vorticity] [--streamlines] [--colour density] [--times 0.1 0.2]
+    python -m tools.plot RUN_OF_SPHERES [--plane y=0.1] [--times 0.1 0.2]
 
 Writes fields.png, trajectories.png, series.png, chains.png (forces of contacts at the last time
 with contacts) and film.mp4 (a gif where no mp4 can be made) into DIR, by default the run folder
@@ -9,6 +10,10 @@ itself, and prints where they are; with --times also outlines.png, the bodies at
 in one panel. What a run does not hold (no particles, no field files, no contacts) is left out
 and said. Held bodies are hatched. Bodies stand where they are at the time of a picture; fields
 between two snapshots are linear in time.
+
+A run of spheres in three dimensions is shown in a plane: filled circles are the spheres that it
+cuts, thin ones those in front of it (solid) and behind it (dashed); the paths are drawn in two
+projections. Chains, outlines, colours of bodies and streamlines are of plane runs alone.
 """
 from functools import partial
 from pathlib import Path
@@ -17,17 +22,20 @@ import numpy as np
 
 from tools.base.command import BadInput, Parser, non_negative, whole
 from tools.base.run_folder import RunFolder
+from tools.plot import spheres
 from tools.plot.captions import headline, second_bar
 from tools.plot.colour import COLOURS, Look
 from tools.plot.film import make_film
 from tools.plot.in_time import FieldsInTime
 from tools.plot.overlays import plot_chains, plot_outlines
 from tools.plot.series import plot_series, series
-from tools.plot.style import (LINE_MAP, MARGINS, SHOWN, TWO_BARS, clip_to, draw_boundary, draw_speed, draw_streamlines, fitting,
-    frame, label_of, lowest_with, panels, particle_artists, plt, save, scale_of, shown_of, time_text, title)
+from tools.plot.style import (LINE_MAP, MARGINS, SHOWN, TWO_BARS, clip_to, draw_boundary, draw_particles, draw_speed,
+    draw_streamlines, fitting, frame, label_of, lowest_with, panels, particle_artists, plt, save, scale_of, shown_of, time_text,
+    title)
 
 MADE = ("fields", "trajectories", "series", "chains", "film")
 ASKED = ("outlines",)  # with --times or --only
+OF_A_PLANE = ("chains", "outlines")  # not of spheres in three dimensions
 
 
 def spread(frames, number=6):
@@ -74,10 +82,8 @@ def plot_fields(run, path, number=6, show="speed", colour=None, streamlines=Fals
             if lines:
                 draw_streamlines(one, field[0], streams[k], levels, "#505050" if show == "vorticity" else "white")
         draw_boundary(one, run)
-        if run.has("particles"):
-            particles = run.particles_at(t)
-            particle_artists(one, particles, clip=run.clip, spokes=run.turns, look=look.at(particles, t))
-        frame(one, run.extent, length)
+        draw_particles(one, run, t, look)
+        frame(one, run.extent, length, names=run.names)
         when = time_text(t, second, chosen[-1][0])
         one.set_title(fitting([when, when[4:], when.split()[2], f"{t:.2g}"], one.room - 0.1), pad=3)
     if drawn is not None:
@@ -87,8 +93,8 @@ def plot_fields(run, path, number=6, show="speed", colour=None, streamlines=Fals
     elif drawn is None:
         bar.remove()
     name = {"speed": "velocity", "stream": "streamlines"}.get(show, show)
-    what = f"{name} and particles{look.words()}" if with_velocity and run.has("particles") else name if with_velocity \
-        else f"particles{look.words()}"
+    bodies = f"{'spheres' if run.in_space else 'particles'}{look.words()}"
+    what = f"{name} and {bodies}" if with_velocity and run.has("particles") else name if with_velocity else bodies
     headline(figure, title(run, what, figure.get_figwidth()))
     return save(figure, path)
 
@@ -166,6 +172,8 @@ def parser():
     options.add_argument("--streamlines", action="store_true", help="streamlines over the fields, in picture and film")
     options.add_argument("--times", nargs="+", type=non_negative, metavar="T",
         help="times of the fields, the outlines and the chains")
+    options.add_argument("--plane", metavar="y=0.1", help="of a run in three dimensions: the plane that is shown (default: the "
+        "first that cuts a sphere: the middle of y, a side normal to y, the same of x)")
     options.add_argument("--no-film", action="store_true", help="no film")
     options.add_argument("--gif", action="store_true", help="the film as a gif even where an mp4 can be made")
     options.add_argument("--frames", type=whole(2), default=300, metavar="N", help="most frames of the film (default 300)")
@@ -190,8 +198,12 @@ def why_not(run, name):
     bodies = run.has("particles") and len(run.particles["t"])
     if name in ("fields", "film") and not run.frames:
         return "no field files and no particles (fields are written when asked for)"
+    if run.in_space and name in OF_A_PLANE:
+        return "the run is in three dimensions (python -m tools.bodies writes spheres and contacts for ParaView)"
     if name in ("trajectories", "outlines", "chains") and not bodies:
         return "no rows in particles.csv"
+    if name == "trajectories" and run.in_space and not spheres.moving(run):
+        return "no sphere moves"
     if name == "chains" and not (run.has("contacts") and {"gap", "nx", "ny", "impulse"} <= set(run.contacts)
             and len(run.contacts["t"])):
         return "no contacts"
@@ -204,6 +216,15 @@ def why_not(run, name):
     return None
 
 
+def shown_in_plane(given):
+    """The SphereRun of a run in three dimensions. Raises BadInput for options that are of plane runs alone."""
+    for option, wrong in ((f"--show {given.show}", given.show != "speed"), ("--colour", given.colour), ("--streamlines",
+            given.streamlines)):
+        if wrong:
+            raise BadInput(f"{option} is for plane runs; {given.run} is a run in three dimensions")
+    return spheres.SphereRun(given.run, given.plane and spheres.plane_of(given.plane))
+
+
 def main(words=None):
     """Make the pictures; 0 if one was made at least."""
     given = parser().parse_args(words)
@@ -212,14 +233,19 @@ def main(words=None):
         raise BadInput(f"{given.run} is a steady flow; python -m tools.plot_steady draws it")
     if run.has("motion"):
         raise BadInput(f"{given.run} is a run of contacts alone; python -m tools.plot_contacts draws it")
+    if run.in_space:
+        run = shown_in_plane(given)
+    elif given.plane:
+        raise BadInput(f"--plane is for runs in three dimensions; {given.run} is a plane run")
     times = given_times(run, given.times)
     run.warn_unfinished()
     out = Path(given.out or given.run)
     out.mkdir(parents=True, exist_ok=True)
     wanted = [name for name in (given.only or MADE + ASKED * bool(times)) if not (name == "film" and given.no_film)]
     look = {"show": given.show, "colour": given.colour}
-    draw = {"fields": partial(plot_fields, streamlines=given.streamlines, times=times, **look), "trajectories": plot_trajectories,
-        "series": plot_series, "outlines": partial(plot_outlines, times=times), "chains": partial(plot_chains, times=times)}
+    draw = {"fields": partial(plot_fields, streamlines=given.streamlines, times=times, **look), "series": plot_series,
+        "trajectories": spheres.plot_trajectories if run.in_space else plot_trajectories,
+        "outlines": partial(plot_outlines, times=times), "chains": partial(plot_chains, times=times)}
     made = 0
     for name in wanted:
         if reason := why_not(run, name):

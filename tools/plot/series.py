@@ -5,8 +5,9 @@ from matplotlib.ticker import MaxNLocator, NullFormatter
 from tools.base.command import BadInput
 from tools.base.mesh_files import SIDES
 from tools.base.quantities import closed
+from tools.plot import spheres
 from tools.plot.captions import fit_label
-from tools.plot.style import PAGE_WIDTH, ROUNDING, curve, plt, save
+from tools.plot.style import CURVES, LINE_MAP, PAGE_WIDTH, ROUNDING, curve, plt, save
 
 ROW = 1.75  # inches: height of a row of panels
 AXIS = 1.4  # inches: of the axes in it
@@ -33,7 +34,8 @@ def outlets(run):
 
 def series(run):
     """The panels of the time series: [(label of the axis, [(name, values)], log scale)]. What the run did not write is left out,
-    and what is zero throughout: flux and pressure drop of a closed box, contacts, overlaps."""
+    and what is zero throughout: flux and pressure drop of a closed box, contacts, overlaps. Curves that are not of fluid.csv have
+    their times too: (name, values, times)."""
     table = run.fluid
     length, second = run.units["length"], run.units["time"]
     pressure, energy = run.units_per_depth["pressure"], run.units_per_depth["energy"]
@@ -64,7 +66,8 @@ def series(run):
         if label == "number" and all(np.ptp(v) == 0 for _, v in curves if len(v)) and not (len(curves) > 1 and curves[1][1].any()):
             return False
         return any(np.isfinite(v).any() and (v[np.isfinite(v)].any() or "energy" in label) for _, v in curves)
-    return [panel for panel in wanted if tells(*panel[:2])]
+    panels = [panel for panel in wanted if tells(*panel[:2])]
+    return spheres.track_panels(run) + [panel for panel in panels if spheres.tells(run, *panel[:2])] if run.in_space else panels
 
 
 def plot_series(run, path):
@@ -82,17 +85,18 @@ def plot_series(run, path):
         alone = place == len(wanted) - 1 and column == 0
         axes.append(figure.add_subplot(grid[row, :] if alone else grid[row, column], sharex=axes[0] if axes else None))
     for one, (label, curves, log) in zip(axes, wanted):
-        for k, (name, values) in enumerate(curves):
-            one.plot(t, np.where(values > 0, values, np.nan) if log else values, label=name, **curve(k),
+        for k, (name, values, *own) in enumerate(curves):
+            one.plot(own[0] if own else t, np.where(values > 0, values, np.nan) if log else values, label=name,
+                     **(curve(k) if len(curves) <= len(CURVES) else {"color": LINE_MAP(k / len(curves)), "linewidth": 0.7}),
                      **({"marker": ".", "markersize": 3 if len(t) > 1 else 7} if len(t) == 1 or log
                          and (len(t) <= 150 or np.count_nonzero(values > 0) <= 150) else {}))
-        if log and any((values > 0).any() for _, values in curves):
+        if log and any((values > 0).any() for _, values, *_ in curves):
             one.set_yscale("log")
             one.yaxis.set_minor_formatter(NullFormatter())
             low, high = one.get_ylim()
             if np.floor(np.log10(high)) - np.ceil(np.log10(low)) < 1:  # two labelled ticks at least
                 one.set_ylim(10 ** np.floor(np.log10(low)), 10 ** np.ceil(np.log10(high)))
-        if len(curves) > 1:  # in a row above the curves
+        if 1 < len(curves) <= len(CURVES):  # in a row above the curves
             low, high = one.get_ylim()
             one.set_ylim(low, high + 0.2 * (high - low))
             one.legend(loc="upper center", ncols=min(len(curves), 4))
@@ -106,5 +110,5 @@ def plot_series(run, path):
         one.tick_params(labelbottom=last)
         if last:
             one.set_xlabel(f"t ({run.units['time']})")
-    figure.suptitle(f"{run.title}: time series", fontsize=10)
+    figure.suptitle(f"{(run.whole if run.in_space else run).title}: time series", fontsize=10)
     return save(figure, path)

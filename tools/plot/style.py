@@ -139,8 +139,9 @@ def fit_heights(axes, inches):
         axes.yaxis.set_major_locator(FixedLocator(ticks[len(ticks) // 2:][:1]))
 
 
-def frame(axes, extent, length="m", pad=0.015):
-    """Limits with a small border, in proportion so that the panel is filled; equal aspect, labels with the unit of length."""
+def frame(axes, extent, length="m", pad=0.015, names=("x", "y")):
+    """Limits with a small border, in proportion so that the panel is filled; equal aspect, labels with the names of the coordinates
+    and the unit of length."""
     x0, y0, w, h = extent
     axes.set_aspect("equal")
     axes.set_xlim(x0 - pad * w, x0 + w + pad * w)
@@ -151,9 +152,9 @@ def frame(axes, extent, length="m", pad=0.015):
     for side in axes.spines.values():
         side.set_visible(False)
     if getattr(axes, "last_row", True):
-        axes.set_xlabel(f"x ({length})")
+        axes.set_xlabel(f"{names[0]} ({length})")
     if getattr(axes, "first_column", True):
-        axes.set_ylabel(f"y ({length})")
+        axes.set_ylabel(f"{names[1]} ({length})")
 
 
 def draw_outline(axes, mesh, open_ends=OPEN):
@@ -178,6 +179,17 @@ def draw_boundary(axes, run):
     draw_outline(axes, run.mesh, run.open)
     if run.mesh is None:
         axes.add_collection(LineCollection(run.walls, color="black", linewidth=1.1, capstyle="round", zorder=4), autolim=False)
+
+
+def draw_particles(axes, run, time, look):
+    """The particles of a run at a time, none where it has none. look: the Look of tools/plot/colour.py that fills them; sections of
+    spheres are neutral. Returns the artists, for removal."""
+    if not run.has("particles"):
+        return []
+    if run.in_space:  # a SphereRun (tools/plot/spheres.py)
+        return run.draw_particles(axes, time)
+    particles = run.particles_at(time)
+    return particle_artists(axes, particles, clip=run.clip, spokes=run.turns, look=look.at(particles, time))
 
 
 def particle_artists(axes, particles, zorder=5, clip=None, spokes=True, look=None):
@@ -220,7 +232,7 @@ def draw_speed(axes, mesh, speed, top, low=0.0, colours=FIELD_MAP):
 
 def speed_of(values):
     """|velocity| at the vertices."""
-    return np.hypot(values["velocity"][:, 0], values["velocity"][:, 1])
+    return np.linalg.norm(values["velocity"], axis=1)
 
 
 def speed_top(speeds):

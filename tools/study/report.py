@@ -1,7 +1,7 @@
 """What a refinement study says: order, limit and uncertainty of each quantity, in lines.
 
 records: dicts of tools.study with asked (the size asked for), meshsize, dt, mean_dt (where -cfl made the steps
-smaller, else 0), vertices, cpu_s, status, reason and values {quantity: (value, reason)}.
+smaller, else 0), vertices, dimension (of the domain), cpu_s, status, reason and values {quantity: (value, reason)}.
 """
 import math
 
@@ -93,11 +93,12 @@ def doubts(records):
         lines.append("note: -cfl made steps smaller: " + ", ".join(f"{mean:.3g} s in the mean instead of {dt:.3g}" for dt,
             mean in smaller)
                      + "; these runs have no part in an order of the time step (-- -cfl 0 keeps the steps)")
+    power = max((r.get("dimension", 2) for r in records), default=2)
     for fine, coarse in zip(sorted(counts), sorted(counts)[1:]):
-        if not 0.75 < counts[fine] / counts[coarse] * (fine / coarse) ** 2 < 1.33:
+        if not 0.75 < counts[fine] / counts[coarse] * (fine / coarse) ** power < 1.33:
             lines.append(f"note: sizes {coarse:.6g} and {fine:.6g} make {counts[coarse]} and {counts[fine]} vertices, "
                 f"{counts[fine] / counts[coarse]:.3g} times as many where "
-                         f"{(coarse / fine) ** 2:.3g} would be refined everywhere: the orders are not those of the scheme (a "
+                         f"{(coarse / fine) ** power:.3g} would be refined everywhere: the orders are not those of the scheme (a "
                              f"gmsh script: --proportional)")
     return lines
 

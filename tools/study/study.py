@@ -44,6 +44,7 @@ from tools.base.engine import Job, failure, run_all
 from tools.base.mesh_files import read_mesh
 from tools.base.run_folder import RunFolder
 from tools.base.runner import cores, freefem, named_files, side_by_side
+from tools.base.space_mesh import SpaceMesh, dimension_of, read_space_mesh
 from tools.base.tables import write_table
 from tools.study.convergence import LARGEST_ORDER
 from tools.study.report import error_of, extrapolated, name_of, report
@@ -119,7 +120,9 @@ def make_mesh(study, size):
 
 def uniform_size(mesh):
     """The true element size of a uniform Mesh (at most three lengths of edges): that of its edges along the shorter
-    side of the domain, where a whole number of cells errs most; None of another."""
+    side of the domain, where a whole number of cells errs most; None of another, and of a SpaceMesh."""
+    if isinstance(mesh, SpaceMesh):
+        return None
     edges = np.abs(np.concatenate([mesh.points[mesh.triangles[:, k]] - mesh.points[mesh.triangles[:, k - 1]] for k in range(3)]))
     lengths = np.sort(np.hypot(*edges.T))
     if np.count_nonzero(np.diff(lengths) > SAME_LENGTH * lengths[0]) > 2:
@@ -131,7 +134,8 @@ def uniform_size(mesh):
 
 def same_mesh(one, other):
     """Whether two Meshes are one, to rounding."""
-    return np.array_equal(one.triangles, other.triangles) and \
+    cells, others = (mesh.tetrahedra if isinstance(mesh, SpaceMesh) else mesh.triangles for mesh in (one, other))
+    return np.array_equal(cells, others) and \
         np.allclose(one.points, other.points, rtol=0, atol=SAME_PLACE * np.ptp(one.points, axis=0).max())
 
 
@@ -141,7 +145,7 @@ def true_sizes(meshes):
     found = {}
     for size, path in meshes.items():
         if isinstance(path, Path):
-            found[size] = read_mesh(path)
+            found[size] = read_space_mesh(path) if dimension_of(path) == 3 else read_mesh(path)
     true = {size: uniform_size(mesh) for size, mesh in found.items()}
     uniform = all(true.values())
     for a, b in itertools.combinations(found, 2):
@@ -198,6 +202,7 @@ def measure(study, record, functions):
         record["steps"], until = steps_of(run)
         record["mean_dt"] = made_smaller(record["steps"], until, record["dt"])
         record["vertices"] = len(run.mesh.points) if run.mesh is not None else math.nan
+        record["dimension"] = 3 if run.in_space else 2
     except BadInput as problem:
         record["values"] = {name: (math.nan, str(problem)) for name in functions}
         return record

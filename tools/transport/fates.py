@@ -60,6 +60,8 @@ def usable(run):
     """The run, or BadInput where it holds nothing that this table can judge."""
     if not run.has("exits"):
         raise BadInput(f"{run.folder} is no run of a transport case (it has no exits.csv)")
+    if run.in_space:
+        raise BadInput(f"{run.folder} is a run in three dimensions; this table is of plane runs")
     if run.status not in ("", "finished"):
         raise BadInput(f"the run {run.folder} has not come to its end (its status is '{run.status}')")
     if not len(run.columns("particles", "u")["t"]):
