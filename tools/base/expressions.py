@@ -31,9 +31,9 @@ HOWS = {"first": lambda v: v[0], "last": lambda v: v[-1], "min": np.min, "max": 
 # what a column measures, as a product of powers of the units of length, time and mass
 LENGTHS, SPEEDS = ("x", "y", "z", "radius", "gap", "worst_gap"), ("u", "v", "w", "top_speed", "divergence")
 POWERS = {**dict.fromkeys(LENGTHS, (1, 0, 0)), **dict.fromkeys(SPEEDS, (1, -1, 0)), "t": (0, 1, 0), "dt": (0, 1, 0),
-    **dict.fromkeys(("omega", "omega_x", "omega_y", "omega_z"), (0, -1, 0)), "kinetic_energy": (1, -2, 1), "potential_energy": (1, -2, 1),
-    "pressure_drop": (-1, -2, 1), "flux_in": (2, -1, 0), "flux_out": (2, -1, 0), "flux": (2, -1, 0), "fx": (0, -2, 1), "fy": (0, -2, 1),
-    "torque": (1, -2, 1), "impulse": (0, -1, 1)}
+    **dict.fromkeys(("omega", "omega_x", "omega_y", "omega_z"), (0, -1, 0)), "kinetic_energy": (1, -2, 1),
+    "potential_energy": (1, -2, 1), "pressure_drop": (-1, -2, 1), "flux_in": (2, -1, 0), "flux_out": (2, -1, 0), "flux": (2, -1, 0),
+    "fx": (0, -2, 1), "fy": (0, -2, 1), "torque": (1, -2, 1), "impulse": (0, -1, 1)}
 SI = {"length": "m", "time": "s", "mass": "kg"}
 IN_SI = {(-1, -2, 1): "Pa", (1, -2, 1): "J/m", (0, -2, 1): "N/m", (0, -1, 1): "N s/m"}  # per unit of depth
 PER_DEPTH = ((1, -2, 1), (0, -2, 1), (0, -1, 1), (2, -1, 0))  # energy, force, impulse, flux: of the whole in three dimensions

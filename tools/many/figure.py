@@ -14,8 +14,9 @@ from tools.plot.style import MARKERS, PAGE_WIDTH, curve, plt, save
 WIDE = 20  # ratio of the largest to the least value from which an axis is logarithmic
 FEW = 8  # values that are ticks of their own
 NAMED = {"mean_u": (1, -1, 0), "mean_v": (1, -1, 0), "mean_w": (1, -1, 0), "peak_speed": (1, -1, 0), "mean_omega": (0, -1, 0),
-    "final_x": (1, 0, 0), "final_y": (1, 0, 0), "final_z": (1, 0, 0), "mean_kinetic_energy": (1, -2, 1), "mean_pressure_drop": (-1, -2, 1),
-    "mean_fx": (0, -2, 1), "mean_fy": (0, -2, 1), "mean_torque": (1, -2, 1), "mean_wall_fx": (0, -2, 1), "mean_flux": (2, -1, 0)}
+    "final_x": (1, 0, 0), "final_y": (1, 0, 0), "final_z": (1, 0, 0), "mean_kinetic_energy": (1, -2, 1),
+    "mean_pressure_drop": (-1, -2, 1), "mean_fx": (0, -2, 1), "mean_fy": (0, -2, 1), "mean_torque": (1, -2, 1),
+    "mean_wall_fx": (0, -2, 1), "mean_flux": (2, -1, 0)}
 
 
 def units(sweep, records):
