@@ -60,7 +60,7 @@ def carried(freefem_text, folder, radius, height, cells=32, words=()):
     """Rows of the disk, once they are steady."""
     text = SIDES + f'savemesh(square({2 * cells}, {cells}, [2*x, y], label = sides), "{folder}/channel.mesh");\n' + CHANNEL
     text += f"macro caseParticles() bodyDisk(1.003, {height}, {radius}, 1); // EOM\ninclude \"scripts/resolved.edp\"\n"
-    freefem_text(text, "-mesh", folder / "channel.mesh", "-dt", 0.01, "-cfl", 0, "-tend", 0.4, "-every", 0, "-tolerance", 1e-7,
+    freefem_text(text, "-mesh", folder / "channel.mesh", "-dt", 0.01, "-cfl", 0, "-tend", 0.3, "-every", 0, "-tolerance", 1e-7,
         "-out", folder / "run", *words)
     rows = RunFolder(folder / "run").particles
     late = rows["t"] > 0.2

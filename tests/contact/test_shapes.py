@@ -129,6 +129,22 @@ def test_a_clump_of_two_disks_is_the_union_of_them(scene):
     np.testing.assert_allclose([first["x"][4], first["y"][4]], [4.075, 3.0], rtol=1e-12)
 
 
+def test_a_disk_that_falls_onto_a_pinned_or_a_held_capsule(scene):
+    """The pinned one turns with m d v/(J + m d^2) about its centre, the held one turns on as given and pushes the disk."""
+    h, r, d, v, small = 0.5, 0.05, 0.3, -1.0, 0.04
+    bodies = []
+    for x, kind, omega in ((0, "bodyPinned", 0.0), (3, "bodyHeld", 0.4)):
+        bodies.append(f"{kind}({capsule(x, 0, h, r, 0, motion=(0, 0, omega))[:-1]});")
+        bodies.append(f"bodyAdd({x + d}, {r + small}, {small}, 1000, 0, {v}, 0, 1);")
+    last = ends(scene(bodies, [], "-dt", 1e-6, "-tend", 1e-6, gravity=(0, 0)))[1]
+    moment = RHO * (4 * h * r * (h**2 + r**2) / 3 + np.pi * r**4 / 2 + np.pi * r**2 * h**2 + 8 / 3 * h * r**3)
+    mass = RHO * np.pi * small**2
+    turns = mass * d * v / (moment + mass * d**2)
+    np.testing.assert_allclose([last["omega"][0], last["v"][1]], [turns, turns * d], rtol=1e-6)
+    np.testing.assert_allclose([last["omega"][2], last["v"][3], last["theta"][2]], [0.4, 0.4 * d, 0.4e-6], rtol=1e-6)
+    assert (last["u"][[0, 2]] == 0).all() and (last["v"][[0, 2]] == 0).all()
+
+
 @pytest.mark.parametrize("friction", [0, 0.4])
 def test_a_collision_of_two_capsules_keeps_momentum_and_angular_momentum(friction, scene):
     plan = [(0.0, 0.0, 0.2, 0.05, 0.3, 1000.0, (1.0, 0.2, -3.0)), (0.35, 0.16, 0.1, 0.06, 1.8, 500.0, (-1.0, -0.5, 2.0))]

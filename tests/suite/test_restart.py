@@ -16,7 +16,7 @@ from tests.tables import broken_off, numbers
 
 CASE = "cases/pipe_obstacles.edp"
 SCENE = ["-number", "12", "-first", "0", "-interval", "0.01", "-ramp", "0.05", "-every", "0"]
-OFTEN = ["-checkpoint", "20", "-fields", "0.04"]
+OFTEN = ["-checkpoint", "15", "-fields", "0.04"]
 WHOLE = [*SCENE, "-tend", "0.12", *OFTEN]
 
 
@@ -46,7 +46,7 @@ def start(folder, mesh, words=WHOLE):
     command = [FREEFEM, "-nw", CASE, *mesh, *words, "-out", str(folder)]
     run = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, env=os.environ | {"OPENBLAS_NUM_THREADS": "1"})
     deadline = time.time() + 200
-    while not (folder / "restart_000000040.sha").exists():
+    while not (folder / "restart_000000030.sha").exists():
         assert run.poll() is None and time.time() < deadline, "the run ended before it could be killed"
         time.sleep(0.02)
     return run
