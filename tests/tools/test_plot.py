@@ -223,7 +223,7 @@ def test_a_fixed_particle_has_no_path_that_counts(tmp_path, monkeypatch):
         write_csv(folder / "entries.csv", "t,id,x,y,u,v,radius,density,free".split(","), [[0, one, 0, 0, 0, 0, 0.01, 1,
             one != 1 or free] for one in range(3)])
         plot.plot_trajectories(RunFolder(folder), None)
-        assert drawn[-1].texts[0].get_text().endswith(f"paths of {number} particles")
+        assert drawn[-1].texts[0].get_text().endswith(f"paths of {number} particles{'' if free else ' (hatched: held)'}")
         plt.close(drawn[-1])
 
 
