@@ -16,6 +16,7 @@ DRIVERS = {
     "transport.edp": "Point particles in a given flow",
     "contacts.edp": "Contacts alone",
     "project_velocities.edp": "One projection of velocities from a file",
+    "project_spheres.edp": "One projection of velocities of spheres from a file",
 }
 HEAD = """# Options of the drivers
 
@@ -79,8 +80,9 @@ def ask(path):
 
 
 def all_helps():
-    """The options of every case and of project_velocities.edp: a dict of path from the root: list of Option."""
-    paths = [f"cases/{path.name}" for path in sorted((ROOT / "cases").glob("*.edp"))] + ["scripts/project_velocities.edp"]
+    """The options of every case and of the scripts that need none: a dict of path from the root: list of Option."""
+    paths = [f"cases/{path.name}" for path in sorted((ROOT / "cases").glob("*.edp"))]
+    paths += ["scripts/project_velocities.edp", "scripts/project_spheres.edp"]
     with ThreadPoolExecutor(2) as pool:
         return dict(zip(paths, pool.map(ask, paths)))
 
