@@ -41,8 +41,8 @@ def walls():
     angle = 2 * np.pi * np.arange(25) / 24
     angle[-1] = 0.0
     pipe = strip(2 * np.column_stack([np.cos(angle), np.sin(angle), 0 * angle]), np.array([0.0, 0, 4]))
-    tip = [[[0, 0, 1], [1, 0, 0], [-0.5, 0.8, 0]], [[0, 0, 1], [-0.5, 0.8, 0], [-0.5, -0.8, 0]],
-        [[0, 0, 1], [-0.5, -0.8, 0], [1, 0, 0]]]
+    a, b, c, top = [1, 0, 0], [-0.5, 0.8, 0], [-0.5, -0.8, 0], [0, 0, 1]
+    tip = [[top, a, b], [top, b, c], [top, c, a]]
     cross = [[[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[1, 1, -1], [1.2, 1, 2], [1.5, 2, 1]]]
     return np.concatenate([at(k, part) for k, part in enumerate([plane, ridge, corner, pipe, tip, cross])])
 
@@ -109,8 +109,8 @@ def test_the_search_finds_what_brute_force_finds(freefem_text, tmp_path):
     rng = np.random.default_rng(3)
     triangles, centre = walls(), spheres(rng)
     radius, reach = rng.choice([0.05, 0.2, 0.3, 1.5], len(centre), p=[0.4, 0.3, 0.25, 0.05]), rng.uniform(0.2, 0.6, len(centre))
-    rows = [f"{len(centre)} {len(triangles)}"] + [" ".join(f"{x:.17g}" for x in (*c, r, e)) for c, r, e in zip(centre,
-        radius, reach)]
+    rows = [f"{len(centre)} {len(triangles)}"]
+    rows += [" ".join(f"{x:.17g}" for x in (*c, r, e)) for c, r, e in zip(centre, radius, reach)]
     rows += [" ".join(f"{x:.17g}" for x in t.ravel()) for t in triangles]
     (tmp_path / "scene").write_text("\n".join(rows) + "\n")
     text = freefem_text(SEARCH.format(file=tmp_path / "scene")).stdout
@@ -164,9 +164,8 @@ def crowd(side, rng):
     mass[0], mass[1] = 1e30, 50
     velocity[0] = 0
     low, high = -9.0, 2.1 * side + 4
-    floor = [[low, low, -1.04], [high, low, -1.04], [low, high, -1.04]], [[high, high, -1.04],
-        [high, low, -1.04], [low, high, -1.04]]
-    return np.column_stack([10 + np.arange(n), place, radius, mass, velocity]), np.array(floor)
+    a, b, c, d = [low, low, -1.04], [high, low, -1.04], [low, high, -1.04], [high, high, -1.04]
+    return np.column_stack([10 + np.arange(n), place, radius, mass, velocity]), np.array([[a, b, c], [d, b, c]])
 
 
 def test_the_conditions_of_the_minimum_hold_in_a_crowd(tmp_path):
@@ -234,4 +233,5 @@ def test_walls_and_the_plane_script_refuse(freefem_refused, tmp_path):
     pressed = [[0, 0, 0, 0, 1, -1, 3, 0, 0], [1, 2.1, 0, 0, 1, 1, 0, 0, 0], [2, 4.2, 0, 0, 1, -1, -3, 0, 0]]
     done = project(tmp_path, pressed, dt=0.3, check=False)
     assert done.returncode == 4 and "no room" in done.stderr and "sphere 1" in done.stderr
-    assert "project_spheres.edp" in freefem_refused(3, "scripts/project_velocities.edp", "-bodies", bodies, "-out", tmp_path / "o.csv")
+    assert "project_spheres.edp" in freefem_refused(3, "scripts/project_velocities.edp", "-bodies", bodies, "-out",
+        tmp_path / "o.csv")

@@ -80,9 +80,9 @@ def ask(path):
 
 
 def all_helps():
-    """The options of every case and of the projections of a file: a dict of path from the root: list of Option."""
-    paths = [f"cases/{path.name}" for path in sorted((ROOT / "cases").glob("*.edp"))] + [
-        f"scripts/{name}" for name in ("project_velocities.edp", "project_spheres.edp")]
+    """The options of every case and of the scripts that need none: a dict of path from the root: list of Option."""
+    paths = [f"cases/{path.name}" for path in sorted((ROOT / "cases").glob("*.edp"))]
+    paths += ["scripts/project_velocities.edp", "scripts/project_spheres.edp"]
     with ThreadPoolExecutor(2) as pool:
         return dict(zip(paths, pool.map(ask, paths)))
 
