@@ -35,7 +35,6 @@ MANY = {
     "contactProject": SCENE,
     "contactIdle": SCENE,
     "bendBeyond": "called for either end of the walls, with its arrays",
-    "gridTouch": "called for pairs of a bucket and of a large box, with the arrays of a search",
     "bendOnLine": "called for disks and for ellipses, with their arrays",
     "rowsList": "FreeFEM has no structures, and a matrix by rows is four arrays",
     "rowsPart": "as rowsList()",
