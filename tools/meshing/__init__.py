@@ -17,6 +17,7 @@ from tools.meshing import (
     space_box,
     space_cell,
     space_pipe,
+    space_stream,
     stream,
     sudden_expansion,
 )
@@ -56,6 +57,7 @@ CASES = {
     "couette_disk": (couette, {"size": 1 / 32}),
     "segre_silberberg": (couette, {"size": 1 / 32}),
     "settling_sphere": (space_box, {}),
+    "held_sphere": (space_stream, {}),
     "pipe_spheres": (space_pipe, {}),
     "sphere_array": (space_cell, {"size": 0.5 / 8}),
     "ellipse_in_shear": (couette, {"length": 2.0, "size": 1 / 80, "core": 0.3}),
