@@ -25,9 +25,9 @@ from tools.docs import gallery, options
 from tools.docs.headers import blocks, prose
 
 LIST, GALLERY = "tests/cases.py", "docs/gallery/cases.csv"
-ROOMS = {"resolved.edp": "bodies", "flow.edp": "flow", "steady.edp": "steady", "steady_laminar.edp": "steady",
+ROOMS = {"resolved.edp": "bodies", "spheres.edp": "spheres", "flow.edp": "flow", "steady.edp": "steady", "steady_laminar.edp": "steady",
     "transport.edp": "transport", "contacts.edp": "contact"}
-DRAWN = {"resolved.edp": "plot", "flow.edp": "plot", "steady.edp": "plot_steady", "steady_laminar.edp": "plot_steady",
+DRAWN = {"resolved.edp": "plot", "spheres.edp": "plot", "flow.edp": "plot", "steady.edp": "plot_steady", "steady_laminar.edp": "plot_steady",
     "transport.edp": "plot_transport", "contacts.edp": "plot_contacts"}
 
 # What a test judges of a run of a few steps: {tables} stands for what the driver writes.
@@ -167,7 +167,8 @@ def judged(name, like):
     driver = options.driver_of(f"cases/{like}.edp")
     if driver.startswith("steady"):
         return RESULTS.format(name=name), "import math\n\n"
-    tables = {"flow.edp": '("fluid",)', "resolved.edp": '("particles", "fluid")', "transport.edp": '("particles", "steps")',
+    tables = {"flow.edp": '("fluid",)', "resolved.edp": '("particles", "fluid")',
+        "spheres.edp": '("particles", "fluid")', "transport.edp": '("particles", "steps")',
         "contacts.edp": '("particles", "motion")'}[driver]
     return JUDGED.format(name=name, tables=tables, first="t") + (INSIDE if driver == "resolved.edp" else ""), ""
 

@@ -55,6 +55,8 @@ TABLES = [
     Table("particles.csv", "`spheres.edp`", SPHERES, (SPHERES, "step, t (s), id, x, y, z", "contacts.csv ")),
     Table("contacts.csv", "`spheres.edp`", SPHERES, (SPHERES, "t (s), i, j (ids; -1 - k", "fluid.csv ")),
     Table("fluid.csv", "`spheres.edp`", SPHERES, (SPHERES, "step, t, dt (s), iterations", "Exit codes")),
+    Table("forces.csv", "`spheres.edp` with `-forces 1`", "lib/spheres/sphere_forces.idp", ("lib/spheres/sphere_forces.idp",
+        "t (s), id, fx, fy, fz (N)", "forcesFind")),
     Table("exits.csv", "`spheres.edp`", "lib/spheres/leave.idp", ("lib/spheres/leave.idp", "t, s; id", "leaveFind")),
     Table("motion.csv", "`contacts.edp`", CONTACTS, (CONTACTS, "step, t (s), kinetic", "walls.csv ")),
     Table("wallmoves.csv", "`contacts.edp`", CONTACTS, (CONTACTS, "t,wall,x1", "Checkpoints")),
