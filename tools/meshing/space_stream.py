@@ -37,7 +37,8 @@ def build(options):
         gmsh.model.occ.addBox(low, 0, 0, high - low, wide, wide)
         gmsh.model.occ.synchronize()
         field, parts = gmsh.model.mesh.field, []
-        for sides in ({"VIn": size, "XMin": -0.75, "XMax": 0.9, "YMin": -1, "YMax": 0.75, "ZMin": -1, "ZMax": 0.75, "Thickness": 3.0},
+        for sides in ({"VIn": size, "XMin": -0.75, "XMax": 0.9, "YMin": -1, "YMax": 0.75, "ZMin": -1, "ZMax": 0.75,
+            "Thickness": 3.0},
                       {"VIn": 1.5 * size, "XMin": 0, "XMax": options.wake, "YMin": -1, "YMax": 0.8, "ZMin": -1, "ZMax": 0.8,
                        "Thickness": 3.0}):
             parts.append(field.add("Box"))
