@@ -252,3 +252,10 @@ def test_bad_coefficients_are_refused(freefem_text, tmp_path, line, words):
 def test_bad_options_are_refused(tmp_path, words):
     done = run_freefem("cases/falling_particles.edp", "-tend", 0.1, "-out", tmp_path / "run", *words, check=False)
     assert done.returncode == 3 and len(done.stderr.strip().splitlines()) == 1 and done.stderr.startswith("error: "), done.stderr
+
+
+@pytest.mark.parametrize("number", [1, 5, 20])
+def test_disks_that_do_not_touch_yet_may_have_friction(number, freefem, tmp_path):
+    """Near ones are listed before friction begins, and none of them presses in the first steps."""
+    freefem("cases/heap.edp", "-number", number, "-tend", 0.03, "-out", tmp_path / "run")
+    assert read_table(tmp_path / "run/motion.csv")["t"][-1] == pytest.approx(0.03)
