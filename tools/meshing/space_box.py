@@ -6,12 +6,9 @@ import numpy as np
 
 from tools.meshing.labels import LABELS
 from tools.meshing.options import add_length, add_size
-from tools.meshing.space_mesh import boxes, finished
+from tools.meshing.space_mesh import SIZES_OF_FIELDS, boxes, filled
 from tools.meshing.structured import even, growing, joined
 from tools.meshing.unstructured import with_gmsh
-
-NO_SIZES = {"Mesh.MeshSizeExtendFromBoundary": 0, "Mesh.MeshSizeFromPoints": 0, "Mesh.MeshSizeFromCurvature": 0,
-    "Mesh.Algorithm3D": 10}
 
 
 def add_options(parser):
@@ -52,15 +49,9 @@ def build(options):
         for name, value in sides.items():
             field.setNumber(corridor, name, value)
         field.setAsBackgroundMesh(corridor)
-        gmsh.model.mesh.generate(3)
-        gmsh.model.mesh.optimize("Netgen")
-        tags, coordinates, _ = gmsh.model.mesh.getNodes()
-        _, corners = gmsh.model.mesh.getElementsByType(4)
-        place = np.zeros(int(tags.max()) + 1, dtype=int)
-        place[tags.astype(int)] = np.arange(len(tags))
-        return finished(coordinates.reshape(-1, 3), place[corners.astype(int)].reshape(-1, 4), label_of)
+        return filled(gmsh, label_of)
 
-    return None, with_gmsh(mesh, "gmsh cannot mesh this box", NO_SIZES)
+    return None, with_gmsh(mesh, "gmsh cannot mesh this box", SIZES_OF_FIELDS)
 
 
 def grid(options, label_of):

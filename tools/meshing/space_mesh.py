@@ -1,26 +1,16 @@
 """Meshes of tetrahedra: their checks, their order, and the medit form that FreeFEM's readmesh3 reads with labels."""
 import os
-from dataclasses import dataclass
 from pathlib import Path
 
 import meshio
 import numpy as np
 
 from tools.base.command import BadInput
+from tools.base.space_mesh import SpaceMesh
 from tools.meshing.labels import NAMES
 
 # The six tetrahedra of a cell whose corners are numbered x + 2 y + 4 z: each path along the axes from corner 0 to corner 7 (Kuhn).
 KUHN = np.array([[0, 1, 3, 7], [0, 1, 5, 7], [0, 2, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 4, 6, 7]])
-
-
-@dataclass
-class SpaceMesh:
-    """points (n, 3), m; tetrahedra (m, 4) and triangles of the boundary (k, 3), vertices from 0; labels (k) of the triangles."""
-
-    points: np.ndarray
-    tetrahedra: np.ndarray
-    triangles: np.ndarray
-    labels: np.ndarray
 
 
 def volumes(points, tetrahedra):
@@ -64,6 +54,22 @@ def finished(points, tetrahedra, label_of):
     points, tetrahedra = ordered(np.asarray(points, dtype=float), np.asarray(tetrahedra))
     triangles = outer_faces(tetrahedra)
     return SpaceMesh(points, tetrahedra, triangles, np.asarray(label_of(points[triangles].mean(axis=1))))
+
+
+# The sizes of elements come from fields alone; the algorithm HXT.
+SIZES_OF_FIELDS = {"Mesh.MeshSizeExtendFromBoundary": 0, "Mesh.MeshSizeFromPoints": 0, "Mesh.MeshSizeFromCurvature": 0,
+    "Mesh.Algorithm3D": 10}
+
+
+def filled(gmsh, label_of):
+    """The SpaceMesh of the volumes of gmsh's model, whose size field is set; label_of as in finished()."""
+    gmsh.model.mesh.generate(3)
+    gmsh.model.mesh.optimize("Netgen")
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    _, corners = gmsh.model.mesh.getElementsByType(4)
+    place = np.zeros(int(tags.max()) + 1, dtype=int)
+    place[tags.astype(int)] = np.arange(len(tags))
+    return finished(coordinates.reshape(-1, 3), place[corners.astype(int)].reshape(-1, 4), label_of)
 
 
 def boxes(xs, ys, zs, label_of, keep=None):

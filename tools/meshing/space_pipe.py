@@ -7,11 +7,8 @@ import numpy as np
 
 from tools.meshing.labels import LABELS
 from tools.meshing.options import add_length, add_size, require
-from tools.meshing.space_mesh import finished
+from tools.meshing.space_mesh import SIZES_OF_FIELDS, filled
 from tools.meshing.unstructured import with_gmsh
-
-QUIET = {"Mesh.MeshSizeExtendFromBoundary": 0,
-    "Mesh.MeshSizeFromPoints": 0, "Mesh.MeshSizeFromCurvature": 0, "Mesh.Algorithm3D": 10}
 
 
 def add_options(parser):
@@ -60,12 +57,6 @@ def build(options):
         even = field.add("MathEval")
         field.setString(even, "F", f"{options.size!r}")
         field.setAsBackgroundMesh(even)
-        gmsh.model.mesh.generate(3)
-        gmsh.model.mesh.optimize("Netgen")
-        tags, coordinates, _ = gmsh.model.mesh.getNodes()
-        _, four = gmsh.model.mesh.getElementsByType(4)
-        place = np.zeros(int(tags.max()) + 1, dtype=int)
-        place[tags.astype(int)] = np.arange(len(tags))
-        return finished(coordinates.reshape(-1, 3), place[four.astype(int)].reshape(-1, 4), label_of)
+        return filled(gmsh, label_of)
 
-    return None, with_gmsh(mesh, "gmsh cannot mesh this pipe", QUIET)
+    return None, with_gmsh(mesh, "gmsh cannot mesh this pipe", SIZES_OF_FIELDS)

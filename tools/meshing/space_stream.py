@@ -7,11 +7,8 @@ import numpy as np
 
 from tools.meshing.labels import LABELS
 from tools.meshing.options import add_length, add_size
-from tools.meshing.space_mesh import finished
+from tools.meshing.space_mesh import SIZES_OF_FIELDS, filled
 from tools.meshing.unstructured import with_gmsh
-
-NO_SIZES = {"Mesh.MeshSizeExtendFromBoundary": 0, "Mesh.MeshSizeFromPoints": 0, "Mesh.MeshSizeFromCurvature": 0,
-    "Mesh.Algorithm3D": 10}
 
 
 def add_options(parser):
@@ -47,12 +44,6 @@ def build(options):
         least = field.add("Min")
         field.setNumbers(least, "FieldsList", parts)
         field.setAsBackgroundMesh(least)
-        gmsh.model.mesh.generate(3)
-        gmsh.model.mesh.optimize("Netgen")
-        tags, coordinates, _ = gmsh.model.mesh.getNodes()
-        _, four = gmsh.model.mesh.getElementsByType(4)
-        place = np.zeros(int(tags.max()) + 1, dtype=int)
-        place[tags.astype(int)] = np.arange(len(tags))
-        return finished(coordinates.reshape(-1, 3), place[four.astype(int)].reshape(-1, 4), label_of)
+        return filled(gmsh, label_of)
 
-    return None, with_gmsh(mesh, "gmsh cannot mesh this stream", NO_SIZES)
+    return None, with_gmsh(mesh, "gmsh cannot mesh this stream", SIZES_OF_FIELDS)
