@@ -166,11 +166,11 @@ class Library:
         self.spaces = spaces = set().union(*(fespaces(text) for text in given.values()))
         found = {path: declared_in(text, frozenset(spaces)) for path, text in given.items()}
         self.local = {path: {each.name for each in found[path]} for path in given}  # at any depth
-        self.owners = {}  # of the names that stand outside all braces
+        self.outer = {path: {each.name for each in found[path] if each.depth == 0} for path in given}  # outside all braces
+        self.owners = {}  # of those
         for path in self.files:
-            for each in found[path]:
-                if each.depth == 0:
-                    self.owners.setdefault(each.name, set()).add(path)
+            for name in self.outer[path]:
+                self.owners.setdefault(name, set()).add(path)
         self.defined = {}
         for path in given:
             self.defined |= functions(given[path])

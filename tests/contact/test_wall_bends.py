@@ -130,7 +130,7 @@ for (int k = contactPairs; k < contactN; ++k) g << contactI[k] << " " << -1 - co
 """
 
 
-@pytest.mark.parametrize("seed, n", [(1, 400), (2, 1500)])
+@pytest.mark.parametrize("seed, n", [(1, 150), pytest.param(2, 1500, marks=pytest.mark.slow)])
 def test_an_ellipse_that_touches_nothing_has_no_negative_gap(seed, n, freefem_text, tmp_path):
     """On either side of such lines: below 0 only for who overlaps a wall; never above the distance of the outline to the segment;
     below it where it is that to the line."""

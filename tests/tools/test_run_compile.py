@@ -27,12 +27,18 @@ def named(rows):
         row in enumerate(rows)])
 
 
-@named(MISTAKES + KEPT_APART)
+@named(KEPT_APART)
 def test_a_mistake_is_named(case, old, new, word, where, tmp_path):
     text, changed = mutated((ROOT / f"cases/{case}.edp").read_text(), old, new)
     said, line = told(text, tmp_path), place(text, changed, where)
     assert said and said.startswith("my.edp") and "\n" not in said and word in said, said
     assert line is None or f"line {line}" in said, (line, said)
+
+
+@pytest.mark.slow
+@named(MISTAKES)
+def test_a_mistake_that_the_sentences_were_written_for_is_named(case, old, new, word, where, tmp_path):
+    test_a_mistake_is_named(case, old, new, word, where, tmp_path)
 
 
 @pytest.mark.slow
