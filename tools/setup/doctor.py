@@ -12,7 +12,6 @@ option.
 import os
 import platform
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -20,14 +19,12 @@ from importlib import metadata
 from pathlib import Path
 
 from tools.base.command import ROOT, BadInput, Parser
+from tools.base.ranks import MPI_ENVIRONMENT, launcher
 from tools.base.runner import freefem, freefem_version, run_text
 
 SOLVERS = ["UMFPACK", "CHOLMOD", "CG", "MUMPS"]
 LARGEST_RESIDUAL = 1e-8
 USUAL_PLUGINS = {"MUMPS_seq", "iovtk"}
-# Open MPI refuses the administrator and more processes than cores unless it is told so; containers have no other user.
-MPI_ENVIRONMENT = {"OPENBLAS_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-    "OMPI_MCA_rmaps_base_oversubscribe": "1"}
 MPI_LIMIT = 60  # s
 
 
@@ -106,14 +103,16 @@ def check_solvers(tell):
 
 def mpi_fault():
     """One line where FreeFEM cannot run on two processes here, else empty: ff-mpirun must start them, and their sum be right."""
-    if not shutil.which("ff-mpirun"):
-        return "there is no ff-mpirun here (part of FreeFEM)"
+    try:
+        program = launcher()
+    except BadInput as problem:
+        return str(problem)
     with tempfile.TemporaryDirectory() as folder:
         script = Path(folder) / "two.edp"
         script.write_text('load "metis"\nreal own = mpirank + 1, all = 0;\nmpiAllReduce(own, all, mpiCommWorld, mpiSUM);\n'
             'if (mpirank == 0) cout << "sum of " << mpisize << ": " << all << endl;\n')
         try:
-            done = subprocess.run(["ff-mpirun", "-np", "2", str(script)], cwd=ROOT, env=os.environ | MPI_ENVIRONMENT,
+            done = subprocess.run([program, "-np", "2", str(script)], cwd=ROOT, env=os.environ | MPI_ENVIRONMENT,
                 capture_output=True, text=True, errors="replace", timeout=MPI_LIMIT)
         except (OSError, subprocess.TimeoutExpired) as problem:
             return f"ff-mpirun does not run: {type(problem).__name__}"
