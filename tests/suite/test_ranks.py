@@ -6,11 +6,11 @@ import pytest
 from tests.rooms import closing, functions, texts
 
 # What differs from process to process: numbers of nodes, triangles, vertices found in a part, and lists of them.
-LOCAL = {"rigidCount", "rigidCandidates", "rigidNode", "cutN", "gapN", "gapCut", "windowN", "impactAt", "ghostAt", "frameNode", "frameEach",
-    "frameBody", "frameLast", "frameTwice", "onsetNode", "guardNode", "framePlaneX", "partOwnW", "partOwnQ"}
-COLLECTIVE = {"ranksSum", "ranksMax", "ranksMin", "ranksSums", "ranksTops", "ranksDot", "ranksReport", "partPass", "partNodes", "partPair",
-    "partVertices", "partDotW", "partDotQ", "partSumQ", "partSolve", "partGatherW", "partGatherQ", "partPoints", "rigidSums", "rigidAdd",
-    "rigidTotal"}
+LOCAL = {"rigidCount", "rigidCandidates", "rigidNode", "cutN", "gapN", "gapCut", "windowN", "impactAt", "ghostAt", "frameNode",
+    "frameEach", "frameBody", "frameLast", "frameTwice", "onsetNode", "guardNode", "framePlaneX", "partOwnW", "partOwnQ"}
+COLLECTIVE = {"ranksSum", "ranksMax", "ranksMin", "ranksSums", "ranksTops", "ranksDot", "ranksReport", "partPass", "partNodes",
+    "partPair", "partVertices", "partDotW", "partDotQ", "partSumQ", "partSolve", "partGatherW", "partGatherQ", "partPoints",
+    "rigidSums", "rigidAdd", "rigidTotal"}
 ROOMS = ("lib/flow/", "lib/immersed/", "lib/motion/", "lib/scheme/", "lib/record/")
 
 
