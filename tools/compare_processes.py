@@ -23,8 +23,8 @@ from tools.base.runner import freefem
 SMALL = 1e-5  # a column below this, in the units of the case, is itself rounding
 MOST = 1e-6
 # Runs a command, and appends its peak memory (KiB) and user CPU time (s) to a file.
-WRAPPER = ("import resource, subprocess, sys; status = subprocess.call(sys.argv[2:]); used = resource.getrusage(resource.RUSAGE_CHILDREN); "
-    "open(sys.argv[1], 'a').write(f'{used.ru_maxrss} {used.ru_utime}\\n'); sys.exit(status if status >= 0 else 128 - status)")
+WRAPPER = ("import resource, subprocess, sys; status = subprocess.call(sys.argv[2:]); "
+    "used = resource.getrusage(resource.RUSAGE_CHILDREN); open(sys.argv[1], 'a').write(f'{used.ru_maxrss} {used.ru_utime}\\n'); sys.exit(status if status >= 0 else 128 - status)")
 
 
 def difference(one, many):
@@ -50,7 +50,8 @@ def difference(one, many):
 
 
 def measured(processes, words, folder):
-    """(memory of the largest process in MiB, user CPU times of each in s) of a run into a folder. Raises BadInput where it fails."""
+    """(memory of the largest process in MiB, user CPU times of each in s) of a run into a folder. Raises BadInput where it
+    fails."""
     with tempfile.NamedTemporaryFile("r") as notes:
         wrapped = [sys.executable, "-c", WRAPPER, notes.name]
         if processes == 1:
