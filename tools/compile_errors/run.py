@@ -1,6 +1,6 @@
 """Run a case from any folder, and say in one sentence why one does not compile.
 
-    python -m tools.run CASE.edp [options of the case]
+    python -m tools.run [-n PROCESSES] CASE.edp [options of the case]
 
 FreeFEM reads the case first without running it. Where it does not compile, nothing runs: the
 last line, on the error stream, is "error: ...", which names the missing or misspelt name and the
@@ -17,6 +17,8 @@ project. Without -out the run lies in results/ of the folder where you are; if t
 project's and the case lies elsewhere, in results/ beside the case. Ctrl-C, SIGTERM and SIGHUP
 reach FreeFEM and what it has started; nothing is left running.
 
+With -n 2 or more the run is shared among processes (ff-mpirun), one thread each.
+
 From another folder: python FOLDER_OF_THE_PROJECT/tools/run.py CASE.edp, or set PYTHONPATH to it.
 FREEFEM in the environment names another FreeFem++.
 """
@@ -32,6 +34,7 @@ import time
 from pathlib import Path
 
 from tools.base.command import ROOT, BadInput, Ended, Parser
+from tools.base.ranks import MPI_ENVIRONMENT, launcher
 from tools.base.runner import freefem
 
 COMPILE_LIMIT = 120  # s
@@ -41,13 +44,21 @@ GRACE = 3  # s, from a signal to SIGKILL
 def main():
     """The tool. Returns the status."""
     parser = Parser(prog="python -m tools.run", description=__doc__)
+    parser.add_argument("-n", type=int, default=1, dest="processes", metavar="PROCESSES",
+        help="number of processes, by FreeFEM's own MPI (docs/guide/many_processes.md); 1: plain FreeFem++")
     parser.add_argument("case", help="the case, a script of FreeFEM")
     parser.add_argument("options", nargs=argparse.REMAINDER, help="options of the case, as -tend 1; -help lists them")
     words = parser.parse_args()
     case = found(words.case)
     environment = surroundings(case)
+    if words.processes < 1:
+        raise BadInput(f"-n is a number of processes, at least 1, not {words.processes}")
+    begin = [freefem(), "-nw"]
+    if words.processes > 1:
+        begin = [launcher(), "-np", str(words.processes)]
+        environment = {**MPI_ENVIRONMENT, **environment}
     refuse_what_does_not_compile(case, words.case, environment)
-    return run([freefem(), "-nw", str(case), *from_here(case, words.options)], environment)
+    return run([*begin, str(case), *from_here(case, words.options)], environment)
 
 
 def found(name):

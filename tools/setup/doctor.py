@@ -3,6 +3,7 @@
 Every plug-in that a script of the project loads is tried, and one small system is solved
 with each solver the project uses (tools/setup/doctor.edp); its residual must be below 1e-8. FreeFEM takes
 another solver without a word for one that it lacks: its own messages must name the solver asked for.
+The last line says whether FreeFEM runs on several processes (ff-mpirun).
 Environment: FREEFEM names the program (default FreeFem++).
 
 Exit statuses: 0 all is well, 1 something is missing or a residual is too large, 3 bad
@@ -13,14 +14,18 @@ import platform
 import re
 import subprocess
 import sys
+import tempfile
 from importlib import metadata
+from pathlib import Path
 
 from tools.base.command import ROOT, BadInput, Parser
+from tools.base.ranks import MPI_ENVIRONMENT, launcher
 from tools.base.runner import freefem, freefem_version, run_text
 
 SOLVERS = ["UMFPACK", "CHOLMOD", "CG", "MUMPS"]
 LARGEST_RESIDUAL = 1e-8
 USUAL_PLUGINS = {"MUMPS_seq", "iovtk"}
+MPI_LIMIT = 60  # s
 
 
 def plugins_loaded():
@@ -96,6 +101,32 @@ def check_solvers(tell):
             tell(False, f"solver {name}: FreeFEM has none, and takes {used} for it")
 
 
+def mpi_fault():
+    """One line where FreeFEM cannot run on two processes here, else empty: ff-mpirun must start them, and their sum be right."""
+    try:
+        program = launcher()
+    except BadInput as problem:
+        return str(problem)
+    with tempfile.TemporaryDirectory() as folder:
+        script = Path(folder) / "two.edp"
+        script.write_text('load "metis"\nreal own = mpirank + 1, all = 0;\nmpiAllReduce(own, all, mpiCommWorld, mpiSUM);\n'
+            'if (mpirank == 0) cout << "sum of " << mpisize << ": " << all << endl;\n')
+        try:
+            done = subprocess.run([program, "-np", "2", str(script)], cwd=ROOT, env=os.environ | MPI_ENVIRONMENT,
+                capture_output=True, text=True, errors="replace", timeout=MPI_LIMIT)
+        except (OSError, subprocess.TimeoutExpired) as problem:
+            return f"ff-mpirun does not run: {type(problem).__name__}"
+    if done.returncode or "sum of 2: 3" not in done.stdout:
+        return f"ff-mpirun -np 2 ended with status {done.returncode} and without the sum of two processes"
+    return ""
+
+
+def check_mpi(tell):
+    """Several processes are an offer, not a need: what is missing is said, and is no failure."""
+    fault = mpi_fault()
+    tell(True, f"several processes: {'not here: ' + fault if fault else 'ff-mpirun -np 2 works'}")
+
+
 def check_python(tell):
     tell(sys.version_info >= (3, 10), f"Python {platform.python_version()} on {platform.platform()}, {os.cpu_count()} cores")
     for name, pinned, installed in pinned_packages():
@@ -116,6 +147,7 @@ def main():
     if check_freefem(tell) is not False:
         check_plugins(tell)
         check_solvers(tell)
+        check_mpi(tell)
     bad = verdicts.count(False)
     print("all is well" if not bad else f"{bad} of {len(verdicts)} checks failed")
     return 1 if bad else 0

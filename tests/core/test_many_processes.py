@@ -1,0 +1,202 @@
+"""Several processes compute the run of one: the same tables to rounding, the same refusals and restarts."""
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from tests.conftest import ROOT, make_mesh, run_freefem
+from tests.tables import numbers
+from tools.base.ranks import MPI_ENVIRONMENT, launcher
+
+PIPE = ["cases/pipe_obstacles.edp", "-number", "12", "-first", "0", "-interval", "0.01", "-ramp", "0.05", "-every", "0"]
+LIMIT = 300  # s
+NEAR = 1e-9  # of the largest value of a column; sums in another order make 1e-13 to 1e-11 of it
+SMALL = 1e-5  # a column below this, in the units of the case, is itself rounding: the flux out of a closed box, a force by symmetry
+
+
+@lru_cache(maxsize=None)
+def why_not():
+    """One line where FreeFEM cannot run on two processes here, else empty."""
+    from tools.setup.doctor import mpi_fault
+
+    return mpi_fault()
+
+
+def ranks(number, *words, check=True):
+    """The CompletedProcess of ff-mpirun -np NUMBER WORDS in the root."""
+    if why_not():
+        pytest.skip(why_not())
+    run = subprocess.run([launcher(), "-np", str(number), *map(str, words)], cwd=ROOT, env=os.environ | MPI_ENVIRONMENT,
+        capture_output=True, text=True, errors="replace", timeout=LIMIT)
+    assert not check or run.returncode == 0, run.stdout[-3000:] + run.stderr[-3000:]
+    return run
+
+
+def assert_near(one, many):
+    """The CSVs of two folders: the same rows, and values near each other; but for times of computing."""
+    for path in sorted(one.glob("*.csv")):
+        expected, got = numbers(one, path.name), numbers(many, path.name)
+        assert expected.keys() == got.keys() and not path.name.startswith("times")
+        for column, values in expected.items():
+            if column.startswith("time_"):
+                continue
+            values, others = np.atleast_1d(values), np.atleast_1d(got[column])
+            assert values.shape == others.shape, (path.name, column)
+            largest = max(abs(values).max(initial=0), SMALL)
+            np.testing.assert_allclose(others, values, rtol=0, atol=NEAR*largest, err_msg=f"{path.name} {column}")
+
+
+def compare(number, folder, *words):
+    """Runs on one process and on several, and compares; returns the folder of the latter."""
+    run_freefem(*words, "-out", folder / "one")
+    ranks(number, *words, "-out", folder / f"on{number}")
+    assert_near(folder / "one", folder / f"on{number}")
+    return folder / f"on{number}"
+
+
+def test_free_bodies_with_forces(tmp_path):
+    """A disk and ellipses that begin to fall, and the forces on them."""
+    compare(2, tmp_path, "cases/template.edp", "-tend", "0.01", "-every", "0", "-forces", "1", "-wallforces", "1")
+
+
+def test_one_line_and_its_status_end_all_processes():
+    if why_not():
+        pytest.skip(why_not())
+    run = subprocess.run([sys.executable, "-m", "tools.run", "-n", "2", "cases/sinking_disk.edp"], cwd=ROOT,
+        capture_output=True, text=True, timeout=LIMIT)
+    lines = [line for line in run.stderr.splitlines() if line.startswith("error: ")]
+    assert run.returncode == 3 and len(lines) == 1 and "films" in lines[0], run.stdout[-2000:] + run.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words, said", [
+    (["cases/sheared_suspension.edp"], "periodic sides"),
+    (["cases/cavity.edp"], "steady flows"),
+    (["cases/heap.edp"], "contacts without a flow"),
+    (["cases/held_sphere.edp"], "spheres"),
+    (["cases/given_flow.edp"], "point particles"),
+    (["cases/settling_disk.edp", "-scheme", "published"], "published scheme"),
+    (["cases/settling_disk.edp", "-bogus", "1"], "unknown option"),
+    (["cases/settling_disk.edp", "-out", "/proc/none"], "cannot write"),
+])
+def test_refusals(words, said):
+    run = ranks(2, *words, check=False)
+    lines = [line for line in run.stderr.splitlines() if line.startswith("error: ")]
+    assert run.returncode == 3 and len(lines) == 1 and said in lines[0], run.stdout[-2000:] + run.stderr
+
+
+@pytest.mark.slow
+def test_a_case_that_reads_the_flow_in_each_step_is_refused(tmp_path):
+    text = (ROOT / "cases/template.edp").read_text()
+    step = 'macro caseStep() { real[int] row = [timeNow, flowU[3]]; outRow("mine.csv", row); } // EOM\n'
+    (tmp_path / "own.edp").write_text(text.replace('include "scripts/resolved.edp"', step + 'include "scripts/resolved.edp"'))
+    run = ranks(2, tmp_path / "own.edp", check=False)
+    assert run.returncode == 3 and "caseStep" in run.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", [
+    ["cases/cylinder_channel.edp", "-tend", "0.02", "-forces", "1", "-wallforces", "1", "-fluxes", "1", "-budget", "1"],
+    ["cases/taylor_green.edp", "-tend", "0.03"],
+    ["cases/poiseuille.edp", "-tend", "0.2"],
+])
+def test_a_flow_alone(tmp_path, words):
+    compare(2, tmp_path, *words)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", [
+    ["cases/held_cylinder.edp", "-tend", "0.03"],
+    ["cases/sprung_cylinder.edp", "-tend", "0.2"],
+    ["cases/rolling_disk.edp", "-tend", "0.02", "-every", "0"],
+    ["cases/settling_disk.edp", "-tend", "0.0125", "-budget", "1"],
+    ["cases/drafting_kissing_tumbling.edp", "-tend", "0.005"],
+    ["cases/template.edp", "-tend", "0.01", "-mu", "1000"],  # slow flow: coarse correction, pressure around bodies
+])
+def test_bodies(tmp_path, words):
+    compare(2, tmp_path, *words)
+
+
+@pytest.fixture(scope="module")
+def pipe(tmp_path_factory):
+    """A coarse mesh of the pipe, and the words of a run in which particles enter and collide."""
+    mesh = make_mesh(tmp_path_factory.mktemp("mesh") / "pipe.mesh", "pipe_obstacles", "--size", 0.018)
+    return [*PIPE, "-mesh", mesh, "-checkpoint", "15", "-fields", "0.04", "-fluxes", "1", "-wallforces", "1", "-forces", "1"]
+
+
+@pytest.fixture(scope="module")
+def on_two(pipe, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("two") / "run"
+    ranks(2, *pipe, "-tend", "0.12", "-out", folder)
+    return folder
+
+
+@pytest.mark.slow
+def test_particles_that_enter_and_collide(pipe, on_two, tmp_path):
+    run_freefem(*pipe, "-tend", "0.12", "-out", tmp_path / "one")
+    assert_near(tmp_path / "one", on_two)
+    ranks(3, *pipe, "-tend", "0.12", "-out", tmp_path / "three")
+    assert_near(tmp_path / "one", tmp_path / "three")
+
+
+def assert_same(folder, other):
+    for path in other.glob("*.csv"):
+        if path.name != "fluid.csv":
+            assert path.read_bytes() == (folder / path.name).read_bytes(), path.name
+    got, expected = numbers(folder, "fluid.csv"), numbers(other, "fluid.csv")
+    for column in expected:
+        if not column.startswith("time_"):
+            np.testing.assert_array_equal(got[column], expected[column], err_msg=column)
+
+
+@pytest.mark.slow
+def test_killed_and_restarted_on_two_processes(pipe, on_two, tmp_path):
+    """One process is killed, as for want of memory: all end, run.json says how, and the rest gives the same bytes."""
+    folder = tmp_path / "run"
+    command = [launcher(), "-np", "2", *map(str, pipe), "-tend", "0.12", "-out", str(folder)]
+    run = subprocess.Popen(command, cwd=ROOT, env=os.environ | MPI_ENVIRONMENT, stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL)
+    limit = time.time() + LIMIT
+    while not (folder / "restart_000000030.sha").exists():
+        assert run.poll() is None and time.time() < limit
+        time.sleep(0.05)
+    os.kill(int(re.search(r'"pid": (\d+)', (folder / "run.json").read_text()).group(1)), signal.SIGKILL)
+    assert run.wait(timeout=60) != 0
+    assert '"status": "killed (signal 9' in (folder / "run.json").read_text()
+    ranks(2, *pipe, "-tend", "0.12", "-restart", folder)
+    assert_same(folder, on_two)
+    assert (folder / "restart_000000060.scheme").read_bytes() == (on_two / "restart_000000060.scheme").read_bytes()
+    assert (folder / "fields_0000060.vtu").read_bytes() == (on_two / "fields_0000060.vtu").read_bytes()
+
+
+@pytest.mark.slow
+def test_checkpoints_serve_any_number_of_processes(pipe, on_two, tmp_path):
+    run_freefem(*pipe, "-tend", "0.06", "-out", tmp_path / "half")
+    shutil.copytree(tmp_path / "half", tmp_path / "other")
+    run_freefem(*pipe, "-tend", "0.12", "-restart", tmp_path / "half")
+    ranks(2, *pipe, "-tend", "0.12", "-restart", tmp_path / "other")
+    assert_near(tmp_path / "half", tmp_path / "other")
+
+
+@pytest.mark.slow
+def test_a_full_disk_of_process_0_ends_all(tmp_path):
+    """Process 0 alone finds that a table cannot be written: the folder is gone."""
+    folder = tmp_path / "run"
+    command = [launcher(), "-np", "2", "cases/template.edp", "-tend", "0.4", "-every", "0", "-out", str(folder)]
+    run = subprocess.Popen(command, cwd=ROOT, env=os.environ | MPI_ENVIRONMENT, stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE, text=True)
+    limit = time.time() + LIMIT
+    while not (folder / "fluid.csv").exists() or len((folder / "fluid.csv").read_text().splitlines()) < 3:
+        assert run.poll() is None and time.time() < limit
+        time.sleep(0.05)
+    shutil.rmtree(folder)
+    _, errors = run.communicate(timeout=60)
+    lines = [line for line in errors.splitlines() if line.startswith("error: ")]
+    assert run.returncode == 4 and len(lines) == 1 and "cannot write" in lines[0], errors

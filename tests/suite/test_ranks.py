@@ -1,0 +1,75 @@
+"""Several processes: no sum over them stands in a branch that depends on what one part of the mesh holds."""
+import re
+
+import pytest
+
+from tests.rooms import closing, functions, texts
+
+# What differs from process to process: numbers of nodes, triangles, vertices found in a part, and lists of them.
+LOCAL = {"rigidCount", "rigidCandidates", "rigidNode", "cutN", "gapN", "gapCut", "windowN", "impactAt", "ghostAt", "frameNode",
+    "frameEach", "frameBody", "frameLast", "frameTwice", "onsetNode", "guardNode", "framePlaneX", "partOwnW", "partOwnQ"}
+COLLECTIVE = {"ranksSum", "ranksMax", "ranksMin", "ranksSums", "ranksTops", "ranksDot", "ranksReport", "partPass", "partNodes",
+    "partPair", "partVertices", "partDotW", "partDotQ", "partSumQ", "partSolve", "partGatherW", "partGatherQ", "partPoints",
+    "rigidSums", "rigidAdd", "rigidTotal"}
+ROOMS = ("lib/flow/", "lib/immersed/", "lib/motion/", "lib/scheme/", "lib/record/")
+
+
+def all_functions():
+    """{name: body} of the rooms that several processes run."""
+    return {name: body for path, text in texts().items() if path.startswith(ROOMS) for name, (_, body) in functions(text).items()}
+
+
+def collective(bodies):
+    """Names of the functions that reach a sum over the processes, directly or through others."""
+    found, before = set(COLLECTIVE), 0
+    while before != len(found):
+        before = len(found)
+        found |= {name for name, body in bodies.items() if found & set(re.findall(r"\w+", body))}
+    return found
+
+
+def reduced(condition):
+    """A condition without what is the same on all processes because it was summed."""
+    while head := re.search(r"\branks(?:Max|Min|Sum)\s*\(", condition):
+        condition = condition[: head.start()] + "same" + condition[closing(condition, head.end()) :]
+    return condition
+
+
+def branches(body):
+    """(condition, what it controls, what follows) of each if and while of a body."""
+    for head in re.finditer(r"\b(?:if|while)\s*\(", body):
+        end = closing(body, head.end())
+        begin = re.compile(r"\s*").match(body, end).end()
+        after = closing(body, begin + 1) if body[begin : begin + 1] == "{" else body.find(";", begin) + 1
+        yield body[head.end() : end - 1], body[begin:after], body[after:]
+
+
+def wrong(name, body, sums):
+    """The conditions of a function on what a part holds that keep this process from a sum."""
+    found = []
+    for condition, inner, rest in branches(body):
+        if not LOCAL & set(re.findall(r"\w+", reduced(condition))):
+            continue
+        kept_from = inner + (rest if re.search(r"\breturn\b|\bcontinue\b|\bbreak\b", inner) else "")
+        if (sums - {name}) & set(re.findall(r"\w+", kept_from)):
+            found.append((name, condition))
+    return found
+
+
+def test_no_sum_over_processes_in_a_branch_on_what_a_part_holds():
+    bodies = all_functions()
+    sums = collective(bodies)
+    assert {"momentumStep", "pressureStep", "impactShare"} <= sums
+    assert [line for name, body in bodies.items() for line in wrong(name, body, sums)] == []
+
+
+@pytest.mark.parametrize("body, bad", [
+    ("if (rigidCount == 0) return 0; total = ranksSum(mine);", True),
+    ("if (rigidCount > 0) { ranksSums(force); }", True),
+    ("while (gapN > 0) rest = partDotQ(r, z);", True),
+    ("if (rigidCount > 0) force = G*values; ranksSums(force);", False),
+    ("if (rigidEvery == 0) return 0; ranksSums(force);", False),
+    ("if (ranksMax(1.*(rigidCandidates > 0)) > 0) { ranksSums(force); }", False),
+])
+def test_the_rule_itself(body, bad):
+    assert bool(wrong("f", body, set(COLLECTIVE))) == bad

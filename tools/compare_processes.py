@@ -1,0 +1,93 @@
+"""python -m tools.compare_processes [-n 2] CASE.edp [options of the case]: one run on one process and on several, compared.
+
+Prints a row of a table: the largest difference of the CSVs, each column's over its largest value (without columns of computing
+times, and of values below 1e-5, which are rounding); memory of the largest process and the user CPU time of each, of both runs.
+Processes that wait for each other compute meanwhile, so that CPU times of a busy machine are too long.
+
+Exit statuses: 0; 1 where the tables differ in their rows or by more than 1e-6; 3 bad input, or a run that does not end well.
+"""
+import argparse
+import csv
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from tools.base.command import ROOT, BadInput, Parser, guarded
+from tools.base.ranks import MPI_ENVIRONMENT, launcher
+from tools.base.runner import freefem
+
+SMALL = 1e-5  # a column below this, in the units of the case, is itself rounding
+MOST = 1e-6
+# Runs a command, and appends its peak memory (KiB) and user CPU time (s) to a file.
+WRAPPER = ("import resource, subprocess, sys; status = subprocess.call(sys.argv[2:]); "
+    "used = resource.getrusage(resource.RUSAGE_CHILDREN); open(sys.argv[1], 'a').write(f'{used.ru_maxrss} {used.ru_utime}\\n'); sys.exit(status if status >= 0 else 128 - status)")
+
+
+def difference(one, many):
+    """Largest difference of the CSVs of two run folders, each column's over its largest value; inf where rows differ."""
+    most = 0.0
+    for path in sorted(Path(one).glob("*.csv")):
+        tables = [list(csv.DictReader(open(folder / path.name))) for folder in (Path(one), Path(many))]
+        if len(tables[0]) != len(tables[1]):
+            return float("inf")
+        for column in tables[0][0] if tables[0] else ():
+            if column.startswith("time_"):
+                continue
+            try:
+                first, second = ([float(row[column]) for row in table] for table in tables)
+            except ValueError:  # words
+                if any(a[column] != b[column] for a, b in zip(*tables)):
+                    return float("inf")
+                continue
+            largest = max(map(abs, first))
+            if largest > SMALL:
+                most = max(most, max(abs(a - b) for a, b in zip(first, second)) / largest)
+    return most
+
+
+def measured(processes, words, folder):
+    """(memory of the largest process in MiB, user CPU times of each in s) of a run into a folder. Raises BadInput where it
+    fails."""
+    with tempfile.NamedTemporaryFile("r") as notes:
+        wrapped = [sys.executable, "-c", WRAPPER, notes.name]
+        if processes == 1:
+            command = [*wrapped, freefem(), "-nw"]
+        else:
+            engine = Path(launcher()).with_name("FreeFem++-mpi")
+            start = shutil.which("mpiexec") or shutil.which("mpirun")
+            if not start:
+                raise BadInput("there is no mpiexec on the search path")
+            command = [start, "-np", str(processes), *wrapped, str(engine), "-nw"]
+        done = subprocess.run([*command, *map(str, words), "-out", str(folder)], cwd=ROOT, env=os.environ | MPI_ENVIRONMENT,
+            capture_output=True, text=True, errors="replace")
+        if done.returncode:
+            said = re.findall(r"^error: (.*)", done.stderr + done.stdout, flags=re.M)
+            raise BadInput(f"the run on {processes} ended with status {done.returncode}" + (f": {said[0]}" if said else ""))
+        rows = [list(map(float, line.split())) for line in notes.read().splitlines()]
+    return max(row[0] for row in rows) / 1024, [row[1] for row in rows]
+
+
+def main():
+    parser = Parser(prog="python -m tools.compare_processes", description=__doc__)
+    parser.add_argument("-n", type=int, default=2, dest="processes", metavar="PROCESSES", help="number of processes (default: 2)")
+    parser.add_argument("case", help="the case, a script of FreeFEM")
+    parser.add_argument("options", nargs=argparse.REMAINDER, help="options of the case, without -out")
+    words = parser.parse_args()
+    if words.processes < 2:
+        raise BadInput(f"-n is a number of processes, at least 2, not {words.processes}")
+    with tempfile.TemporaryDirectory() as folder:
+        one, many = Path(folder) / "one", Path(folder) / "many"
+        alone = measured(1, [words.case, *words.options], one)
+        shared = measured(words.processes, [words.case, *words.options], many)
+        apart = difference(one, many)
+    times = " and ".join(f"{time:.1f}" for time in shared[1])
+    print(f"| {Path(words.case).stem} | {apart:.0e} | {alone[0]:.0f} | {shared[0]:.0f} | {alone[1][0]:.1f} | {times} |")
+    return 0 if apart <= MOST else 1
+
+
+if __name__ == "__main__":
+    guarded(main)
