@@ -65,7 +65,7 @@ def pushed(context, exact, pair, runs, mesh, within, unit):
     for size, share, options in runs:
         name = "_".join([f"{size:g}", f"{share:g}"] + [f"{value:g}" for value in options.values()])
         words = {"-kind": "pair" if pair else "wall", "-gap": 0.95, "-force": PUSH, "-rhos": DENSITY, "-dt": share * size**2, "-cfl": 0,
-            "-every": 0, "-tend": 1.25 * whole, **options}
+            "-every": 0, "-tend": 1.12 * whole, **options}
         try:
             run = context.run(CASE, words, f"{words['-kind']}_{name}", (mesh[0], size, *mesh[1:]))
         except Failed as problem:
