@@ -16,8 +16,8 @@ GAPS = (0.5, 0.25, 0.18, 0.13, 0.1, 0.07, 0.05, 0.035, 0.025, 0.018, 0.0105)  # 
 RADIUS, PUSH, DENSITY = 0.25, 31.4, 2.0  # Reynolds number at the start: 0.3
 BODY_FITTED = "body-fitted computation"
 # gap in radii: force over viscosity and speed of a disk without torque along the floor of the box of along(); exact without the
-# other walls: 16.6, 28.3
-ALONG = {0.3: 22.2, 0.1: 33.3}
+# other walls: 16.6, 28.3, 62.9
+ALONG = {0.3: 22.2, 0.1: 33.3, 0.02: 67.7}
 # gap in radii, force over viscosity and the speed of each
 PAIR = np.array([(1, 25.96), (0.5, 49.72), (0.2, 141.5), (0.1, 349.0), (0.05, 914.9), (0.02, 3446), (0.01, 9585)])
 
@@ -162,7 +162,8 @@ def push_and_pull(context):
         size = RADIUS / 4
         try:
             run = context.run(CASE, {"-gap": 0.1, "-force": PUSH, "-reverse": 0.4, "-rhos": 1, "-dt": share * size**2,
-                "-cfl": 0, "-every": 0, "-tend": 0.8, "-x": 1.017}, f"push_and_pull_{share:g}", ("box", size, "--width", "2", "--height", "2"))
+                "-cfl": 0, "-every": 0, "-tend": 0.8, "-x": 1.017}, f"push_and_pull_{share:g}",
+                ("box", size, "--width", "2", "--height", "2"))
         except Failed as problem:
             yield context.failed(f"pushed and pulled, nu dt/h^2 = {share:g}: runs", "closed form", float("nan"), problem)
             continue
