@@ -33,7 +33,7 @@ def test_waiting_spheres_enter_when_due_and_when_there_is_room(box, freefem_text
     """One is due at 0.02 s, one at once where another falls out of its way, one where a held sphere stays; they come with the motion
     of the fluid, and a restart between the two entries continues byte for byte."""
     fill = "bodySphere(0, 0, 0.04, R, 2500); sphereHeld(bodySphere(-0.02, 0, 0.01, R, 1000));" \
-        " sphereWaits(0.0155, 0, 0.04, R, 1000, 0.02); sphereWaits(0, 0, 0.0405, R, 1000, 0); sphereWaits(-0.02, 0, 0.02, R, 1000, 0);"
+        " sphereWaits(0.02, 0, 0.04, R, 1000, 0.02); sphereWaits(0, 0, 0.0405, R, 1000, 0); sphereWaits(-0.02, 0, 0.02, R, 1000, 0);"
     options = ["-mesh", box, "-cfl", 0, "-checkpoint", 5]
     done = freefem_text(scene(fill), *options, "-tend", 0.15, "-out", tmp_path / "run")
     said = done.stdout + done.stderr
@@ -64,7 +64,7 @@ def test_a_sphere_rolls_down_the_floor_and_the_budget_closes(box, freefem_text, 
     text = scene("bodySphere(-0.015, 0, R, R, 1800);", slope=4.0)
     for friction in (0.3, 0.05):
         run = tmp_path / f"run_{friction}"
-        freefem_text(text, "-mesh", box, "-tend", 0.12, "-friction", friction, "-budget", 1, "-out", run)
+        freefem_text(text, "-mesh", box, "-tend", 0.12, "-dt", 0.005, "-friction", friction, "-budget", 1, "-out", run)
         rows, touch, budget = (read_table(run / f"{name}.csv") for name in ("particles", "contacts", "budget"))
         slip = rows["u"][-1] - 0.0075 * rows["omega_y"][-1]
         assert rows["u"][-1] > 0.03 and rows["z"][-1] == pytest.approx(0.0075, abs=1e-9)
