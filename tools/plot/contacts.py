@@ -161,7 +161,7 @@ def plot_frames(run, path, times=None):
         draw(left, run, frame)
         disks = draw(right, run, frame, norm)
         moving = frame["speed"] > run.speeds[0]
-        if moving.any() and len(moving) < 1000:
+        if moving.any() and len(moving) < 1000 and not run.in_space:  # of spheres, arrows would be of hidden ones too
             # Arrows of one length show where a disk goes; its colour says how fast.
             direction = np.column_stack([frame["u"], frame["v"]])[moving] / frame["speed"][moving, None]
             reach = 1.6 * frame["radius"][moving]
@@ -327,7 +327,7 @@ def main(words=None):
         print(plot_frames(run, out / "frames.png", given.times))
     if "chains" in given.only and run.in_space:
         if given.only is not MADE:
-            raise BadInput("force chains are drawn of plane runs alone; python -m tools.bodies writes contacts of spheres for ParaView")
+            raise BadInput("force chains are drawn of plane runs alone")
     elif "chains" in given.only and (given.only is not MADE or (run.folder / "contacts.csv").read_text().count("\n") > 1):
         print(plot_chains(run, out / "chains.png"))
     if "energy" in given.only:
