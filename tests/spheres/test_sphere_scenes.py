@@ -34,7 +34,7 @@ def test_waiting_spheres_enter_when_due_and_when_there_is_room(box, freefem_text
     of the fluid, and a restart between two entries continues byte for byte."""
     fill = "bodySphere(0, 0, 0.036, R, 2500); sphereHeld(bodySphere(-0.02, 0, 0.01, R, 1000));" \
         " sphereWaits(0.02, 0, 0.04, R, 1000, 0.02); sphereWaits(0, 0, 0.046, R, 1000, 0); sphereWaits(-0.02, 0, 0.02, R, 1000, 0);"
-    options, run = ["-mesh", box, "-cfl", 0, "-tend", 0.09, "-checkpoint", 4], tmp_path / "run"
+    options, run = ["-mesh", box, "-cfl", 0, "-tend", 0.09, "-checkpoint", 5], tmp_path / "run"
     done = freefem_text(scene(fill), *options, "-out", run)
     said = done.stdout + done.stderr
     assert "1 of the waiting spheres was due, but had no room" in said and "(-0.02, 0, 0.02)" in said
@@ -47,13 +47,14 @@ def test_waiting_spheres_enter_when_due_and_when_there_is_room(box, freefem_text
     assert rows["w"][falling][0] < rows["w"][entered][0] < 0  # it is in the wake
     assert read_table(run / "fluid.csv")["worst_gap"].min() > -1e-6 * 0.0075
     whole = (run / "particles.csv").read_text().splitlines()
-    for file in [*run.glob("restart_000000008.*"), *run.glob("restart_000000009.*")]:
+    for file in run.glob("restart_000000009.*"):
         file.unlink()
     freefem_text(scene(fill), *options, "-restart", run, "-out", tmp_path / "again")
     again = (tmp_path / "again/particles.csv").read_text().splitlines()[1:]
-    assert len(again) > 15 and again == whole[-len(again):]
+    assert len(again) > 10 and again == whole[-len(again):]
 
 
+@pytest.mark.slow
 def test_spheres_cannot_enter_a_wall(box, freefem_text, tmp_path):
     run = freefem_text(scene("sphereWaits(0, 0, 0.004, R, 1000, 0);"), "-mesh", box, "-out", tmp_path / "run", check=False)
     assert run.returncode == 5 and "enters into a wall" in run.stderr and run.stderr.count("\n") == 1
