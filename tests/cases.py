@@ -46,6 +46,8 @@ CASES = {
     "settling_sphere": ["-tend", "0.02"],
     "sphere_array": ["-tend", "0.04"],
     "held_sphere": ["-tend", "0.2"],
+    "two_spheres": ["-tend", "0.005"],
+    "falling_spheres": ["-tend", "0.1"],
     "pipe_spheres": ["-tend", "0.04", "-number", "3"],
 }
 # Cases that take long on their default mesh: the options of tools.mesh of a coarser one. tests/mesh/test_mesh.py looks at the

@@ -14,6 +14,7 @@ from tools.base.run_folder import RunFolder
 from tools.base.space_mesh import Section, SpaceMesh, dimension_of, read_space_mesh
 from tools.plot import film, resolved as plot, series as time_series
 from tools.plot.in_time import FieldsInTime, film_times
+from tools.plot.colour import Look
 from tools.plot.sphere_bodies import unit_sphere
 from tools.plot.spheres import SphereRun, plane_of
 from tools.plot.style import plt
@@ -177,6 +178,8 @@ def test_circles_are_those_in_which_the_plane_cuts_the_spheres(space):
     assert np.allclose(boxes[order, 0] + boxes[order, 2] / 2, [-0.7, 0, 0.7])
     front, behind = (sorted(path.get_extents().width / 2 for path in one.get_paths()) for one in behind_or_front)
     assert np.allclose(front, [0.2]) and np.allclose(behind, [0.25, 0.25])  # y grows away from the viewer
+    faces = seen.draw_particles(axes, 0.0, Look(seen, "size"))[0].get_facecolor()
+    assert len(np.unique(faces[order], axis=0)) == 2 and np.array_equal(faces[order][0], faces[order][2])
     plt.close(figure)
 
 
@@ -266,7 +269,7 @@ def test_fixed_spheres_have_no_paths(space, tmp_path, capsys):
 
 
 def test_tools_that_are_for_plane_runs_say_so(space, folder):
-    for words in (["--show", "vorticity"], ["--colour", "size"], ["--streamlines"]):
+    for words in (["--show", "vorticity"], ["--streamlines"]):
         with pytest.raises(BadInput, match=f"{' '.join(words[:1])}.* is for plane runs; .* is a run in three dimensions"):
             plot.main([str(space), *words])
     for words in (["plot", space, "--show", "vorticity"], ["plot", folder, "--plane", "y=0"], ["plot", space, "--plane", "z=9"],

@@ -300,8 +300,11 @@ class RunFolder(Arrays):
 
     @cached_property
     def in_space(self):
-        """Whether the run is one in three dimensions, by the head of its mesh."""
-        return self._mesh_file is not None and dimension_of(self._mesh_file) == 3
+        """Whether the run is one in three dimensions, by the head of its mesh; without a mesh, by that of particles.csv."""
+        if self._mesh_file is None:
+            table = self.folder / "particles.csv"
+            return table.is_file() and ",z," in table.open(encoding="utf-8", errors="replace").readline()
+        return dimension_of(self._mesh_file) == 3
 
     @cached_property
     def mesh(self):

@@ -57,6 +57,8 @@ CASES = {
     "couette_disk": (couette, {"size": 1 / 32}),
     "segre_silberberg": (couette, {"size": 1 / 32}),
     "settling_sphere": (space_box, {}),
+    "two_spheres": (space_box, {"part": "whole", "width": 1.0, "height": 4.0, "size": 1 / 18, "corridor": 0.22, "corridor_top": 3.8,
+        "growth": 0.25}),
     "held_sphere": (space_stream, {}),
     "pipe_spheres": (space_pipe, {}),
     "sphere_array": (space_cell, {"size": 0.5 / 8}),

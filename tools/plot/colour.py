@@ -31,10 +31,16 @@ def known(run, ids):
 
 def speed_at(run, ids, time):
     """Speeds (n,) of particles by id at a time, linear between the rows of particles.csv."""
-    for name in ("u", "v"):
-        run.columns("particles", name)
-    return np.hypot(*([np.interp(time, run.tracks[int(one)]["t"], run.tracks[int(one)][name]) for one in ids] for name in ("u",
-        "v"))).reshape(-1)
+    names = components(run)
+    return np.sqrt(sum(np.array([np.interp(time, run.tracks[int(one)]["t"], run.tracks[int(one)][name]) for one in ids])**2
+        for name in names)).reshape(-1)
+
+
+def components(run):
+    """Columns of the velocity in particles.csv: of spheres there are three."""
+    names = ("u", "v", "w") if run.in_space else ("u", "v")
+    run.columns("particles", *names)
+    return names
 
 
 class Look:
@@ -55,8 +61,7 @@ class Look:
             return
         length, second, mass = (run.units[kind] for kind in ("length", "time", "mass"))
         if colour == "speed":
-            run.columns("particles", "u", "v")
-            low, high = 0.0, float(np.hypot(run.particles["u"], run.particles["v"]).max())
+            low, high = 0.0, float(np.sqrt(sum(run.particles[name]**2 for name in components(run))).max())
             self.label = f"speed of the bodies ({length}/{second})"
         else:
             values = self.constant(ids)

@@ -27,6 +27,8 @@ FIGURE_TIMES = [0, 1, 10, 20, 60, 80, 100]  # of the falling particles
 class ContactRun(RunFolder):
     """A run folder with its frames: frame(k) is a dict of columns at times[k]."""
 
+    upward = "y"
+
     @cached_property
     def _moves(self):
         return self.columns("wallmoves") if self.has("wallmoves") else None
@@ -159,7 +161,7 @@ def plot_frames(run, path, times=None):
         draw(left, run, frame)
         disks = draw(right, run, frame, norm)
         moving = frame["speed"] > run.speeds[0]
-        if moving.any() and len(moving) < 1000:
+        if moving.any() and len(moving) < 1000 and not run.in_space:  # of spheres, arrows would be of hidden ones too
             # Arrows of one length show where a disk goes; its colour says how fast.
             direction = np.column_stack([frame["u"], frame["v"]])[moving] / frame["speed"][moving, None]
             reach = 1.6 * frame["radius"][moving]
@@ -176,7 +178,7 @@ def plot_frames(run, path, times=None):
             if last:
                 axis.set_xlabel(f"x ({run.units['length']})")
         if cell % 2 == 0:
-            left.set_ylabel(f"y ({run.units['length']})")
+            left.set_ylabel(f"{run.upward} ({run.units['length']})")
     bar = figure.colorbar(disks, cax=figure.add_axes((0.895, 0.3, 0.018, 0.4)), extend="min")
     bar.set_label(f"speed ({run.units_per_depth['speed']})")
     figure.canvas.draw()  # now the tick labels are known: what is wide gets its room
@@ -249,7 +251,7 @@ def plot_energy(run, path):
         # what is less than the floor, 0 too, leaves the picture below
         top.semilogy(t, np.maximum(values, 0.01 * floor), label=name, **curve(k))
     top.set_ylim(bottom=floor)
-    top.set_ylabel(f"energy per depth\n({run.units_per_depth['energy']})")
+    top.set_ylabel(f"energy{'' if run.in_space else ' per depth'}\n({run.units_per_depth['energy']})")
     top.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)  # a run that ends before rest has curves everywhere
     low.set_xlabel(f"t ({run.units['time']})")
     if some:
@@ -271,13 +273,13 @@ def shots(run, places):
     axes = figure.add_axes((0.62 / size[0], 0.5 / size[1], (x1 - x0) * scale / size[0], (y1 - y0) * scale / size[1]))
     norm = LogNorm(*run.speeds)
     disks = draw(axes, run, run.frame(places[0]), norm)
-    axes.set(xlabel=f"x ({run.units['length']})", ylabel=f"y ({run.units['length']})")
+    axes.set(xlabel=f"x ({run.units['length']})", ylabel=f"{run.upward} ({run.units['length']})")
     edge = (0.8 + (x1 - x0) * scale) / size[0]
     figure.colorbar(disks, cax=figure.add_axes((edge, 0.25, 0.13 / size[0], 0.5)),
         extend="min").set_label(f"speed ({run.units_per_depth['speed']})")
     for k in places:
         frame = run.frame(k)
-        if any(run.period) or run.outlines:  # copies come and go, bodies turn
+        if any(run.period) or run.outlines or run.in_space:  # copies come and go, bodies turn, spheres pass before others
             for part in list(axes.collections):
                 part.remove()
             draw(axes, run, frame, norm)
@@ -307,6 +309,9 @@ def main(words=None):
     options.add_argument("--gif", action="store_true", help="the film as a gif even where an mp4 can be made")
     given = options.parse_args(words)
     run = ContactRun(given.run)
+    if run.in_space:
+        from tools.plot.sphere_contacts import SphereContactRun
+        run = SphereContactRun(given.run)
     if not run.has("motion"):
         raise BadInput(f"{given.run} is no run of contacts alone (it has no motion.csv); python -m tools.plot draws the others")
     if not len(run.columns("motion")["t"]):
@@ -320,7 +325,10 @@ def main(words=None):
     out.mkdir(parents=True, exist_ok=True)
     if "frames" in given.only:
         print(plot_frames(run, out / "frames.png", given.times))
-    if "chains" in given.only and (given.only is not MADE or (run.folder / "contacts.csv").read_text().count("\n") > 1):
+    if "chains" in given.only and run.in_space:
+        if given.only is not MADE:
+            raise BadInput("force chains are drawn of plane runs alone")
+    elif "chains" in given.only and (given.only is not MADE or (run.folder / "contacts.csv").read_text().count("\n") > 1):
         print(plot_chains(run, out / "chains.png"))
     if "energy" in given.only:
         print(plot_energy(run, out / "energy.png"))

@@ -13,7 +13,7 @@ between two snapshots are linear in time.
 
 A run of spheres in three dimensions is shown in a plane: filled circles are the spheres that it
 cuts, thin ones those in front of it (solid) and behind it (dashed); the paths are drawn in two
-projections. Chains, outlines, colours of bodies and streamlines are of plane runs alone.
+projections. Chains, outlines and streamlines are of plane runs alone.
 """
 from functools import partial
 from pathlib import Path
@@ -218,8 +218,7 @@ def why_not(run, name):
 
 def shown_in_plane(given):
     """The SphereRun of a run in three dimensions. Raises BadInput for options that are of plane runs alone."""
-    for option, wrong in ((f"--show {given.show}", given.show != "speed"), ("--colour", given.colour), ("--streamlines",
-            given.streamlines)):
+    for option, wrong in ((f"--show {given.show}", given.show != "speed"), ("--streamlines", given.streamlines)):
         if wrong:
             raise BadInput(f"{option} is for plane runs; {given.run} is a run in three dimensions")
     return spheres.SphereRun(given.run, given.plane and spheres.plane_of(given.plane))

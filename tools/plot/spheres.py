@@ -131,14 +131,15 @@ class SphereRun(RunFolder):
             rows = np.concatenate([rows, images], axis=1)
         return rows
 
-    def draw_particles(self, axes, time):
-        """The spheres at a time; returns the artists."""
+    def draw_particles(self, axes, time, look=None):
+        """The spheres at a time, filled as look (tools/plot/colour.py) says; returns the artists."""
         ids, *place, radius = self.spheres_at(time, self.across)
         x, y = (place[k] for k in self.across)
         ahead = (place[self.axis] - self.at) * (-1 if self.axis == 1 else 1)  # towards the viewer
         cut = abs(ahead) < radius
         inner = np.sqrt(np.maximum(radius**2 - ahead**2, 0))[cut]
-        artists = particle_artists(axes, (ids[cut], x[cut], y[cut], 0 * inner, inner, inner), clip=self.clip, spokes=False)
+        artists = particle_artists(axes, (ids[cut], x[cut], y[cut], 0 * inner, inner, inner), clip=self.clip, spokes=False,
+            look=look and look.at((ids[cut],), time))
         outlined = ~cut
         outlined[cut] = inner < 0.98 * radius[cut]  # those that it cuts beside their middle too
         colour = "white" if self.fields else "#707070"  # over a field, over paper

@@ -182,12 +182,12 @@ def draw_boundary(axes, run):
 
 
 def draw_particles(axes, run, time, look):
-    """The particles of a run at a time, none where it has none. look: the Look of tools/plot/colour.py that fills them; sections of
-    spheres are neutral. Returns the artists, for removal."""
+    """The particles of a run at a time, none where it has none. look: the Look of tools/plot/colour.py that fills them. Returns the
+    artists, for removal."""
     if not run.has("particles"):
         return []
     if run.in_space:  # a SphereRun (tools/plot/spheres.py)
-        return run.draw_particles(axes, time)
+        return run.draw_particles(axes, time, look)
     particles = run.particles_at(time)
     return particle_artists(axes, particles, clip=run.clip, spokes=run.turns, look=look.at(particles, time))
 

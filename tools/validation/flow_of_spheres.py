@@ -89,9 +89,83 @@ def densities(context):
         yield context.row(f"density ratio {ratio}: greatest speed, m/s", "stable", np.nan, speed, at_most=5, cpu_s=run.cpu_s)
 
 
+def two(context):
+    """Two spheres in a box: the trailing one catches up with the leading one, touches it, and the pair turns over."""
+    run = context.run("cases/two_spheres.edp", {"-tend": 0.6}, "two")
+    rows, fluid = run.folder.columns("particles"), run.folder.columns("fluid")
+    lead, trail = rows["id"] == 0, rows["id"] == 1
+    place = [np.column_stack([rows[name][one] for name in "xyz"]) for one in (lead, trail)]
+    apart, time = np.linalg.norm(place[1] - place[0], axis=1) * 6, rows["t"][lead]
+    kissing = time[apart < 1.01]
+    source = "Glowinski et al. 2001"
+    yield context.row("two spheres: time of the first contact, s", source, 0.35, kissing[0], cpu_s=run.cpu_s)
+    yield context.row("two spheres: time for which they touch, s", "kissing", np.nan, kissing[-1] - kissing[0], at_least=0.05,
+        cpu_s=run.cpu_s)
+    yield context.row("two spheres: height of the trailing one over the leading one at the end, diameters", "tumbling", np.nan,
+        6 * (place[1] - place[0])[-1, 2], at_most=0, cpu_s=run.cpu_s)
+    yield context.row("two spheres: distance at the end, diameters", "they part", np.nan, apart[-1], at_least=1.2, cpu_s=run.cpu_s)
+    yield context.row("two spheres: least gap over the radius", "no overlap", np.nan, 12 * min(fluid["worst_gap"].min(), 0),
+        at_least=-1e-6, cpu_s=run.cpu_s)
+
+
+TOWARDS = """
+include "lib/spheres/case.idp"
+optCase("towards", "a held sphere moves towards a floor");
+optDefault("-dt", "0.05"); optDefault("-tend", "1"); optDefault("-convection", "0"); optDefault("-cfl", "0");
+optDefault("-tolerance", "1e-6"); optDefault("-forces", "1");
+real gap = optReal("-gap", 0.5, "", "gap over the radius");
+real rhoFluid = 0.01, mu = 1, gravityX = 0, gravityY = 0, gravityZ = 0, R = 1;
+int[int] flowNoSlip = [labelWall], flowSlip = [labelLeft, labelFront], flowMoving(0), flowOutlet(0);
+func real boundaryRamp(real t) { return 1; }
+func int fill() { int k = bodySphere(0, 0, 1 + gap, R, 1); sphereMoves(k, 0, 0, -1e-6); return sphereHeld(k); }
+macro caseParticles() fill(); // EOM
+include "scripts/spheres.edp"
+"""
+# Brenner, Chem. Eng. Sci. 16 (1961) 242: resistance over 6 pi mu R by the gap over the radius.
+DUCT = "Happel & Bart, Appl. Sci. Res. 29 (1974) 241, to order (a/b)^3"
+BRENNER = {1.0: 2.1255, 0.5: 3.2054, 0.25: 5.3053, 0.1: 11.459}
+
+
+def towards(context):
+    """Resistance towards a floor: 5 % where the gap has an element, else 25 %; 2 and 4 elements in a radius, the box is 24 radii
+    wide. Resistance on the axis of a square duct 20 radii wide: 2 % with 4 elements to the diameter."""
+    script = context.out / "towards.edp"
+    script.parent.mkdir(parents=True, exist_ok=True)
+    script.write_text(TOWARDS)
+    for elements in (2, 4):
+        mesh = context.mesh("settling_sphere", 1 / elements, "--width", "24", "--height", "24", "--corridor", "1.5",
+            "--corridor-top", "4", "--growth", "8", "--coarse", "8")
+        for gap, exact in BRENNER.items():
+            run = context.run(script.resolve(), {"-gap": gap}, f"towards_{elements}_{gap}", mesh=mesh)
+            force = run.folder.columns("forces")["fz"][-1] / (6 * np.pi * 1e-6)
+            yield context.row(f"sphere towards a floor, gap of {gap} radii, {2 * elements} elements to the diameter: resistance",
+                "Brenner 1961", exact, force, rtol=0.05 if gap * elements >= 1 else 0.25, cpu_s=run.cpu_s)
+    for elements in (4, 6):
+        mesh = context.mesh("settling_sphere", 2 / elements, "--width", "20", "--height", "40", "--corridor", "1.6",
+            "--corridor-top", "22", "--growth", "8", "--coarse", "6")
+        run = context.run(script.resolve(), {"-gap": 19}, f"duct_{elements}", mesh=mesh)
+        force = run.folder.columns("forces")["fz"][-1] / (6 * np.pi * 1e-6)
+        yield context.row(f"sphere in a square duct of 10 diameters, {elements} elements to the diameter: resistance", DUCT,
+            1 / (1 - 1.903266 / 10), force, rtol=0.02, cpu_s=run.cpu_s)
+
+
+def closed(context):
+    """Budget of the closed box: the parts of momentum and energy that are missing, for two steps and two meshes."""
+    for elements in (4, 8):
+        for step in (0.01, 0.005):
+            run = context.run("cases/settling_sphere.edp", {"-tend": 0.3, "-dt": step, "-cfl": 0, "-budget": 1},
+                f"closed_{elements}_{step}", mesh=("settling_sphere", 2 * RADIUS / elements))
+            last = {name: column[-1] for name, column in run.folder.columns("budget").items()}
+            momentum = (last["momentum_z"] - last["walls_z"] - last["weight_z"]) / last["weight_z"]
+            energy = 1 - (last["kinetic_energy"] + last["dissipated"]) / last["work"]
+            words = f"closed box, {elements} elements to the diameter, steps of {step} s: part missing of the"
+            yield context.row(f"{words} momentum", "none", 0, momentum, atol=0.005, cpu_s=run.cpu_s)
+            yield context.row(f"{words} energy", "none", 0, energy, atol=0.06, cpu_s=run.cpu_s)
+
+
 def spheres(context):
     """All of these."""
-    for part in (arrays, turned, settling, densities):
+    for part in (arrays, turned, settling, densities, two, towards, closed):
         yield from part(context)
 
 

@@ -1,0 +1,87 @@
+"""Scenes of spheres in a flow: entering spheres, rolling with friction, budgets of momentum and energy, the guard of the energy."""
+import numpy as np
+import pytest
+
+from tests.conftest import make_mesh
+from tools.base.tables import read_table
+
+SCENE = """
+include "lib/spheres/case.idp"
+optCase("scene", "spheres of tests/spheres");
+optDefault("-dt", "0.01");
+real rhoFluid = 960, mu = 0.058, gravityX = {slope}, gravityY = 0, gravityZ = -9.81, R = 0.0075;
+int[int] flowNoSlip = [labelWall], flowSlip(0), flowMoving(0), flowOutlet(0);
+func real boundaryRamp(real t) {{ return 1; }}
+macro caseParticles() {particles} // EOM
+{more}
+include "scripts/spheres.edp"
+"""
+
+
+def scene(particles, slope=0.0, more=""):
+    return SCENE.format(particles=particles, slope=slope, more=more)
+
+
+@pytest.fixture(scope="module")
+def box(tmp_path_factory):
+    """A closed box of 60 x 60 x 60 mm, 3 elements to the diameter of a sphere of 15 mm."""
+    return make_mesh(tmp_path_factory.mktemp("box") / "box.mesh", "settling_sphere", "--part", "whole", "--width", 0.06, "--height",
+        0.06, "--corridor-top", 0.06, "--corridor", 0.03, "--size", 0.005)
+
+
+def test_waiting_spheres_enter_when_due_and_when_there_is_room(box, freefem_text, tmp_path):
+    """One is due at 0.02 s, one at once where another falls out of its way, one where a held sphere stays; they come with the motion
+    of the fluid, and a restart between two entries continues byte for byte."""
+    fill = "bodySphere(0, 0, 0.036, R, 2500); sphereHeld(bodySphere(-0.02, 0, 0.01, R, 1000));" \
+        " sphereWaits(0.02, 0, 0.04, R, 1000, 0.02); sphereWaits(0, 0, 0.046, R, 1000, 0); sphereWaits(-0.02, 0, 0.02, R, 1000, 0);"
+    options, run = ["-mesh", box, "-cfl", 0, "-tend", 0.09, "-checkpoint", 5], tmp_path / "run"
+    done = freefem_text(scene(fill), *options, "-out", run)
+    said = done.stdout + done.stderr
+    assert "1 of the waiting spheres was due, but had no room" in said and "(-0.02, 0, 0.02)" in said
+    rows = read_table(run / "particles.csv")
+    first = {int(k): rows["t"][rows["id"] == k].min() for k in np.unique(rows["id"])}
+    assert set(first) == {0, 1, 2, 3} and first[2] == pytest.approx(0.02) and 0.045 < first[3] < 0.09
+    t = rows["t"] == first[3]
+    falling, entered = (rows["id"] == 0) & t, (rows["id"] == 3) & t
+    assert rows["z"][entered][0] - rows["z"][falling][0] > 2.05 * 0.0075 * (1 - 1e-3)
+    assert rows["w"][falling][0] < rows["w"][entered][0] < 0  # it is in the wake
+    assert read_table(run / "fluid.csv")["worst_gap"].min() > -1e-6 * 0.0075
+    whole = (run / "particles.csv").read_text().splitlines()
+    for file in run.glob("restart_000000009.*"):
+        file.unlink()
+    freefem_text(scene(fill), *options, "-restart", run, "-out", tmp_path / "again")
+    again = (tmp_path / "again/particles.csv").read_text().splitlines()[1:]
+    assert len(again) > 10 and again == whole[-len(again):]
+
+
+@pytest.mark.slow
+def test_spheres_cannot_enter_a_wall(box, freefem_text, tmp_path):
+    run = freefem_text(scene("sphereWaits(0, 0, 0.004, R, 1000, 0);"), "-mesh", box, "-out", tmp_path / "run", check=False)
+    assert run.returncode == 5 and "enters into a wall" in run.stderr and run.stderr.count("\n") == 1
+
+
+def test_a_sphere_rolls_down_the_floor_and_the_budget_closes(box, freefem_text, tmp_path):
+    """With friction, U = omega x R e on a floor with gravity aslant, and the contact carries a tangential force towards uphill; one
+    with a coefficient that is too small slides with the force mu n. Momentum: what walls, contacts and weights give, within 1 % of
+    the weight's impulse."""
+    text, run = scene("bodySphere(-0.015, 0.013, R, R, 1800); sphereRough(bodySphere(-0.015, -0.013, R, R, 1800), 0.05);",
+        slope=4.0), tmp_path / "run"
+    freefem_text(text, "-mesh", box, "-tend", 0.12, "-dt", 0.005, "-friction", 0.3, "-budget", 1, "-out", run)
+    rows, touch, budget = (read_table(run / f"{name}.csv") for name in ("particles", "contacts", "budget"))
+    last = rows["t"] == rows["t"].max()
+    slip = (rows["u"] - 0.0075 * rows["omega_y"])[last]
+    rolls, slides = touch["i"][-2:] == 0, touch["i"][-2:] == 1
+    press, pull, sliding = (touch[name][-2:] for name in ("impulse", "fx", "sliding"))
+    assert (rows["u"][last] > 0.03).all() and rows["z"][last] == pytest.approx(0.0075, abs=1e-9)
+    assert abs(slip[0]) < 1e-6 * rows["u"][last][0] and sliding[rolls] == 0 and -0.3 * press[rolls] < pull[rolls] < 0
+    assert slip[1] > 0.005 and sliding[slides] == 1 and pull[slides] == pytest.approx(-0.05 * press[slides], rel=1e-2)
+    for axis in "xz":
+        missing = budget[f"momentum_{axis}"][-1] - budget[f"walls_{axis}"][-1] - budget[f"weight_{axis}"][-1]
+        assert abs(missing) < 0.01 * abs(budget[f"weight_{axis}"][-1])
+
+
+def test_a_run_whose_energy_grows_from_nothing_is_stopped(box, freefem_text, tmp_path):
+    more = "macro caseStep() if (driveStep == 9) { spaceU *= 3.; spaceV *= 3.; spaceW *= 3.; } // EOM"
+    run = freefem_text(scene("bodySphere(0, 0, 0.04, R, 1800);", more=more), "-mesh", box, "-tend", 0.2, "-cfl", 0, "-out",
+        tmp_path / "run", check=False)
+    assert run.returncode == 4 and "kinetic energy is" in run.stderr and "near sphere 0" in run.stderr and "t = 0.1" in run.stderr
