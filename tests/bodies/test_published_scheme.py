@@ -57,6 +57,13 @@ def test_published_and_standard_scheme_agree_roughly(freefem, shaft, tmp_path):
     published = particles_of(freefem, tmp_path / "published", "settling_disk", *shaft, "-tend", "0.04", "-dt", "0.005", "-scheme",
         "published")
     assert published["v"][-1] == pytest.approx(standard["v"][-1], rel=0.25)
+    tensorial = particles_of(freefem, tmp_path / "tensorial", "settling_disk", *shaft, "-tend", "0.04", "-dt", "0.005", "-scheme",
+        "tensorial")
+    assert tensorial["v"][-1] == pytest.approx(standard["v"][-1], rel=0.25)
+    assert tensorial["v"][-1] != published["v"][-1]
+    multipliers = particles_of(freefem, tmp_path / "multipliers", "settling_disk", *shaft, "-tend", "0.04", "-dt", "0.00125",
+        "-scheme", "multipliers")
+    assert multipliers["v"][-1] == pytest.approx(standard["v"][-1], rel=0.15)
 
 
 def test_the_published_scheme_turns_a_disk_in_shear_by_either_indicator(freefem_text, cell, tmp_path):

@@ -47,6 +47,8 @@ CASES = {
     "oscillating_cylinder": (box_corridor, {"width": 16.0, "height": 16.0, "size": 1 / 12, "corridor_position": 8.0,
         "corridor_width": 3.0, "corridor_bottom": 6.0, "corridor_top": 10.0,
                                             "coarse_factor": 8.0, "growth": 0.15, "pattern": "alternating"}),
+    "cylinder_beside_wall": (stream, {"length": 200.0, "height": 100.0, "centre": [100.0, 2.0], "size": 1 / 8, "stroke": 0.5,
+        "reach": 1.4, "coarse_factor": 48.0, "growth": 0.15, "wake_factor": 48.0}),
     "sprung_cylinder": (stream, {}),
     "held_cylinder": (stream, {"length": 2.2, "height": 0.41, "centre": [0.2, 0.2], "size": 0.1 / 16, "stroke": 0.002,
         "reach": 0.08, "coarse_factor": 4.0, "wake_width": 0.2}),
