@@ -49,6 +49,8 @@ CASES = {
                                             "coarse_factor": 8.0, "growth": 0.15, "pattern": "alternating"}),
     "cylinder_beside_wall": (stream, {"length": 200.0, "height": 100.0, "centre": [100.0, 2.0], "size": 1 / 8, "stroke": 0.5,
         "reach": 1.4, "coarse_factor": 48.0, "growth": 0.15, "wake_factor": 48.0}),
+    "cylinder_in_stream": (stream, {"length": 50.0, "height": 50.0, "centre": [16.0, 25.0], "size": 1 / 16, "stroke": 0.2,
+        "coarse_factor": 24.0, "growth": 0.2, "wake_growth": 0.6}),
     "sprung_cylinder": (stream, {}),
     "held_cylinder": (stream, {"length": 2.2, "height": 0.41, "centre": [0.2, 0.2], "size": 0.1 / 16, "stroke": 0.002,
         "reach": 0.08, "coarse_factor": 4.0, "wake_width": 0.2}),
