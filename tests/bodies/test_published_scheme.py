@@ -4,7 +4,9 @@ import pytest
 
 from tests.scenes import case, particles
 from tests.tables import particles_of
+from tools.base.command import ROOT
 from tools.base.run_folder import RunFolder
+from tools.base.tables import read_table
 
 
 def test_published_scheme_starts_with_the_velocities_given(freefem, tmp_path):
@@ -57,6 +59,13 @@ def test_published_and_standard_scheme_agree_roughly(freefem, shaft, tmp_path):
     published = particles_of(freefem, tmp_path / "published", "settling_disk", *shaft, "-tend", "0.04", "-dt", "0.005", "-scheme",
         "published")
     assert published["v"][-1] == pytest.approx(standard["v"][-1], rel=0.25)
+    tensorial = particles_of(freefem, tmp_path / "tensorial", "settling_disk", *shaft, "-tend", "0.04", "-dt", "0.005", "-scheme",
+        "tensorial")
+    assert tensorial["v"][-1] == pytest.approx(standard["v"][-1], rel=0.25)
+    assert tensorial["v"][-1] != published["v"][-1]
+    multipliers = particles_of(freefem, tmp_path / "multipliers", "settling_disk", *shaft, "-tend", "0.04", "-dt", "0.00125",
+        "-scheme", "multipliers")
+    assert multipliers["v"][-1] == pytest.approx(standard["v"][-1], rel=0.15)
 
 
 def test_the_published_scheme_turns_a_disk_in_shear_by_either_indicator(freefem_text, cell, tmp_path):
@@ -82,3 +91,24 @@ def test_the_published_scheme_lets_a_heavy_disk_fall_freely(kind, freefem_text, 
     steps = np.arange(1, 3)
     assert rows["v"] == pytest.approx(-2 * 0.02 * steps, rel=5e-3) and abs(rows["omega"]).max() < 5e-3
     assert rows["y"] == pytest.approx(0.72 - 2 * 0.02**2 * steps * (steps + 1) / 2, abs=1e-5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scheme, dt, within", [("tensorial", 0.005, 0.12), ("multipliers", 0.00125, 0.02)])
+def test_the_other_schemes_settle_a_disk_as_a_body_fitted_computation_does(scheme, dt, within, freefem, tmp_path):
+    """Height at 0.3 s, from 4 cm, on the default mesh: 4 elements per diameter."""
+    freefem("cases/settling_disk.edp", "-scheme", scheme, "-dt", dt, "-tend", 0.3, "-out", tmp_path / "run")
+    table = read_table(ROOT / "tests/reference/settling_disk_body_fitted.csv")
+    fall = 4 - np.interp(0.3, table["t_s"], table["y_cm"])
+    assert 4 - RunFolder(tmp_path / "run").particles["y"][-1] == pytest.approx(fall, rel=within)
+
+
+def test_disks_in_contact_do_not_overlap_with_multipliers(freefem_text, tmp_path):
+    """Two disks that are driven onto each other, and one onto the floor."""
+    text = case("bodyAdd(0.4, 0.5, 0.1, 3, 1, 0, 0, 1); bodyAdd(0.62, 0.5, 0.1, 3, -1, 0, 0, 1); bodyDisk(0.3, 0.12, 0.1, 3);",
+        gravity=-10)
+    freefem_text(text, "-scheme", "multipliers", "-dt", 0.02, "-every", 0, "-tend", 0.2, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    assert run.table("fluid")["worst_gap"].min() > -1e-6 and run.table("fluid")["contacts"].max() >= 1
+    ends = [track for track in run.tracks.values()]
+    assert np.hypot(ends[0]["x"] - ends[1]["x"], ends[0]["y"] - ends[1]["y"]).min() > 0.2 - 1e-6

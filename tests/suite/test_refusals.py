@@ -25,6 +25,8 @@ def test_bad_input_is_refused_in_words(words, says, run_folder):
 @pytest.mark.parametrize("words, complaint", [
     (["cases/rotating_cylinder.edp", "-scheme", "published"], "a fixed particle, or one with prescribed motion"),
     (["cases/ellipse_in_shear.edp", "-scheme", "published"], "ellipse"),
+    (["cases/settling_disk.edp", "-scheme", "tensorial", "-film", "1"], "-film"),
+    (["cases/settling_disk.edp", "-scheme", "multipliers", "-rhos", "1"], "not denser than the fluid"),
     (["cases/segre_silberberg.edp", "-scheme", "published"], "periodic"),
     (["cases/couette_disk.edp", "-scheme", "published"], "periodic"),
     (["cases/settling_disk.edp", "-scheme", "published", "-forces", "1"], "-forces"),

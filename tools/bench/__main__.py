@@ -28,6 +28,7 @@ from tools.bench.figure import draw
 from tools.bench.page import load, write_page
 from tools.bench.rounds import collect, earlier, run_rounds
 from tools.bench.scaling import scaling_jobs
+from tools.bench.flow import MULTIPLIERS, TENSORIAL
 from tools.bench.scenes import OURS, PUBLISHED, contact_jobs, flow_jobs, particle_jobs, suspension_jobs
 from tools.bench.transport import transport_jobs
 from tools.peers import contact_packages as bench_contacts
@@ -65,13 +66,16 @@ def jobs_of(part, there, out, quick, limit):
         absent = {name for name, package in (("NGSolve", "ngsolve"), ("scikit-fem", "skfem")) if package not in there}
         return flow_jobs(out, {p: {k: v for k, v in those.items() if k not in absent} for p, those in levels.items()}, limit)
     if part == "particles":
-        settle = {OURS: [(n, 0.014 / n) for n in (3, 4, 5, 6)], PUBLISHED: PUBLISHED_SETTLING}
+        settle = {OURS: [(n, 0.014 / n) for n in (3, 4, 5, 6)], PUBLISHED: PUBLISHED_SETTLING, TENSORIAL: PUBLISHED_SETTLING,
+            MULTIPLIERS: [(n, 0.005 / n) for n in (3, 4, 6, 8)]}
+        two = {OURS: [(4, 0.001), (6, 0.0005)], PUBLISHED: [(4, 0.002)], TENSORIAL: [(4, 0.002)], MULTIPLIERS: [(4, 0.0005)]}
         turn = {OURS: [(8, 0.01), (16, 0.0025), (32, 0.000625)], PUBLISHED: [(8, 0.02), (16, 0.02), (32, 0.02)]}
         if quick:
-            settle, turn = {OURS: settle[OURS][:2], PUBLISHED: PUBLISHED_SETTLING[:1]}, {name: those[:2] for name,
-                those in turn.items()}
+            settle, turn, two = {OURS: settle[OURS][:2], **{name: settle[name][:1] for name in (PUBLISHED, TENSORIAL,
+                MULTIPLIERS)}}, {name: those[:2] for name, those in turn.items()}, {}
         lattice = ([0, 1] if quick else [0, 1, 2, 3]) if "lbmpy" in there else []
-        return particle_jobs(out, settle, lattice, turn, limit) + suspension_jobs(out, {OURS: (20, 5), PUBLISHED: (3, 1)}, limit)
+        return (particle_jobs(out, settle, lattice, turn, limit, two)
+                + suspension_jobs(out, {OURS: (20, 5), PUBLISHED: (3, 1)}, limit))
     if part == "contacts":
         if quick:
             return contact_jobs([500, 2000], 1e-8, 500, [1e-4, 1e-8], qp, 20)
@@ -155,8 +159,8 @@ def main(words=None):
     for name in ("runs", "trees"):
         shutil.rmtree(out / name, ignore_errors=True)
     print("\n".join(str(path) for path in (page, out / "bench.png", out / "bench.csv") if path.is_file()))
-    ours = [s for s in samples if s.program not in (PUBLISHED, *bench_contacts.PEERS, "NGSolve", "scikit-fem", "lbmpy", "SciPy",
-        ELEMENTS)]
+    ours = [s for s in samples if s.program not in (PUBLISHED, TENSORIAL, MULTIPLIERS, *bench_contacts.PEERS, "NGSolve", "scikit-fem",
+        "lbmpy", "SciPy", ELEMENTS)]
     return 0 if not any(s.note for s in (*ours, *skipped)) else 1
 
 

@@ -10,6 +10,7 @@ from tools.plot.style import PAGE_WIDTH, plt, save
 # Colour, marker and line of a program in every panel; told apart by marker and line in grey.
 STYLES = {
     "standard": ("#0072b2", "o", "-"), "published": ("#d55e00", "s", "--"), "NGSolve": ("#009e73", "^", "-."),
+    "tensorial": ("#56b4e9", "<", (0, (4, 2))), "multipliers": ("#e69f00", "h", (0, (1, 1))),
     "scikit-fem": ("#000000", "D", ":"), "lbmpy": ("#cc79a7", "v", (0, (5, 1, 1, 1, 1, 1))), "SciPy": ("#000000", "p", (0, (7, 2))),
     "LIGGGHTS": ("#e69f00", "H", (0, (2, 2))), "standard, loose": ("#56b4e9", "d", (0, (3, 1, 1, 1))),
     "accelerated": ("#56b4e9", "P", (0, (3, 1))), "piqp": ("#e69f00", "X", "-."), "clarabel": ("#595959", "<", "--"),
@@ -19,7 +20,9 @@ STYLES = {
 }
 SHORT = {("flow", "2d1"): "DFG 2D-1, drag", ("flow", "2d2"): "DFG 2D-2, worst of three", ("flow", "cavity"): "cavity, Re 1000",
     ("particles", "settling"): "settling disk, velocity",
-         ("particles", "turning"): "disk in shear, rotation", ("discrete", "discharge"): "500 disks leave an hourglass",
+         ("particles", "turning"): "disk in shear, rotation",
+         ("particles", "pair"): "two settling disks, heights",
+         ("discrete", "discharge"): "500 disks leave an hourglass",
          ("discrete", "fall"): "50 falling disks, own limits", ("discrete", "fall, common limit"): "50 falling disks, common limit",
          ("transport", "spheres"): "1,000 carried spheres",
              ("transport", "step"): "carried spheres",

@@ -17,7 +17,7 @@ from tools.base.runner import finished, make_mesh, reported, run_case, run_comma
 from tools.study.extrema import vortices
 
 PEERS = {"NGSolve": ("with_ngsolve", "ngsolve==6.2.2608"), "scikit-fem": ("with_skfem", "scikit-fem==12.0.2")}
-OURS, PUBLISHED = "standard", "published"
+OURS, PUBLISHED, TENSORIAL, MULTIPLIERS = "standard", "published", "tensorial", "multipliers"
 REFERENCE = {
     "2d1": {"drag": 5.57953523384},
     "2d2": {"drag_most": 3.227393, "lift_range": 2.007871, "strouhal": 0.301841},

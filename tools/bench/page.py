@@ -14,6 +14,7 @@ TITLES = {
     ("flow", "2d2"): "DFG 2D-2: vortex shedding, largest error of drag, lift range and Strouhal number",
     ("flow", "cavity"): "Lid-driven cavity at Reynolds number 1000: largest error of the extrema on the centrelines",
     ("particles", "settling"): "Settling disk: mean velocity over 0.3 to 0.4 s",
+    ("particles", "pair"): "Two settling disks: heights at 0.15 s",
     ("particles", "turning"): "Disk turning between sheared plates, R/H = 0.25",
     ("particles", "suspension"): "A step with 50 disks in the pipe",
     ("discrete", "discharge"): "500 disks leave an hourglass: time of half of them, against the common limit",
@@ -176,7 +177,8 @@ def write_page(points, samples, skipped, missing, out, quick, minutes, loads, co
                  "parts that give the cost of a step. "
              "Ratios are read at an error that both programs reach, by straight lines between measured points in logarithms; "
                  "nothing is extrapolated. "
-             "\"published\" is Lefebvre's scheme; in the contact parts, plain Uzawa.", "", "![Error against CPU time, scaling, "
+             "\"published\" is Lefebvre's scheme (in the contact parts, plain Uzawa), \"tensorial\" and \"multipliers\" "
+                 "the other two of first order.", "", "![Error against CPU time, scaling, "
                  "and what is skipped](bench.png)", ""]
     lines += [f"- {line}" for line in missing] + ([""] if missing else [])
     for (section, problem), some in groups(points).items():

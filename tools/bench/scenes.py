@@ -21,6 +21,7 @@ from tools.peers import contact_packages as bench_contacts
 from tools.validation.settling_disk import fitted_mean
 
 FALL, TURN = fitted_mean(), 0.8392
+PAIR = (3.1336, 3.5257)  # heights at 0.15 s, cm: tests/reference/two_disks_second_scheme.csv
 PIPE = "cases/pipe_obstacles.edp"
 NEARBY = (1.0, 0.95, 1.05)  # sizes of elements, or time steps of a lattice, over one's own
 # fine where the disk falls in 0.4 s
@@ -63,6 +64,18 @@ def settling(scheme, cells, dt, out, limit):
     return dict(zip(("unknowns", "cpu_s", "memory_mb", "error"), over_neighbours(runs)))
 
 
+def pair(scheme, cells, dt, out, limit):
+    """Two settling disks: how far the worse of the two is from its height at 0.15 s (cm) by a lattice Boltzmann computation, over
+    the height of its fall."""
+    folder = out / "runs" / f"pair_{scheme}_{cells}_{dt:g}"
+    done = finished(run_case("cases/drafting_kissing_tumbling.edp", {
+        "-mesh": str(mesh("drafting_kissing_tumbling", f"pair_{cells}", out, "--size", f"{0.25 / cells:.12g}")),
+            "-scheme": scheme, "-dt": dt, "-tend": 0.15, "-every": 0.05}, out=folder, limit=limit))
+    tracks = RunFolder(folder).tracks
+    error = max(abs(tracks[k]["y"][-1] - height) / (start - height) for k, (height, start) in enumerate(zip(PAIR, (4.5, 5.0))))
+    return {"unknowns": unknowns(folder), "cpu_s": done.cpu_s, "error": float(error), "memory_mb": done.memory_mb}
+
+
 def settling_lbmpy(level, limit):
     """The same by lbmpy with steps of nearly the same size: its error changes with the phase of the sound in the box."""
     def run(factor):
@@ -84,10 +97,10 @@ def turning(scheme, cells, dt, out, limit):
         "memory_mb": done.memory_mb}
 
 
-def particle_jobs(out, settle, lattice, turn, limit):
-    """settle, turn: {program: [(elements, dt)]}; lattice: levels of lbmpy or []."""
+def particle_jobs(out, settle, lattice, turn, limit, two=None):
+    """settle, turn, two (two settling disks): {program: [(elements, dt)]}; lattice: levels of lbmpy or []."""
     jobs = []
-    for name, function, cases in (("settling", settling, settle), ("turning", turning, turn)):
+    for name, function, cases in (("settling", settling, settle), ("turning", turning, turn), ("pair", pair, two or {})):
         jobs += [Job("particles", name, program, level, functools.partial(function, program, *case, out, limit))
                  for program, those in cases.items() for level, case in enumerate(those)]
     jobs += [Job("particles", "settling", "lbmpy", level, functools.partial(settling_lbmpy, level, limit)) for level in lattice]
