@@ -88,8 +88,8 @@ def test_disks_in_disguise(cell, freefem_text, tmp_path):
         "shapes": "bodyCapsule(0.2, 0.7, 0, 0.11, 0, 2); bodyChain(onex, oney, 0.09, 2); bodyPolygon(gx, gy, 0.001, 2);"}
     last = {}
     for name, bodies in kinds.items():
-        freefem_text(case("{ " + bodies + " }", mu=0.02, gravity=-20, **FALL), "-mesh", cell, "-dt", 0.02, "-tend", 0.3, "-every", 0.3,
-            "-out", tmp_path / name)
+        freefem_text(case("{ " + bodies + " }", mu=0.02, gravity=-20, **FALL), "-mesh", cell, "-dt", 0.02, "-tend", 0.3,
+            "-every", 0.3, "-out", tmp_path / name)
         table = numbers(tmp_path / name, "particles.csv")
         last[name] = np.column_stack([table[key][-3:] for key in ("x", "y", "u", "v")])
     assert np.abs(last["disks"][:, 3]).min() > 0.05
@@ -103,7 +103,8 @@ def test_rest_and_budget(cell, freefem_text, tmp_path):
     falls on the floor: momentum that walls and weight do not explain stays a small part of the weight's."""
     more = WORDS + "real[int] sx = [0.11, 0.29, 0.29, 0.11], sy = [0.01, 0.01, 0.19, 0.19];"
     bodies = "bodyPolygon(sx, sy, 0.01, 2); bodyCapsule(0.7, 0.09, 0.12, 0.09, 0, 2);"
-    freefem_text(case("{ " + bodies + " }", more=more), "-mesh", cell, "-dt", 0.02, "-tend", 0.6, "-budget", 1, "-out", tmp_path / "a")
+    freefem_text(case("{ " + bodies + " }", more=more), "-mesh", cell, "-dt", 0.02, "-tend", 0.6, "-budget", 1,
+        "-out", tmp_path / "a")
     table, contacts = numbers(tmp_path / "a", "particles.csv"), numbers(tmp_path / "a", "contacts.csv")
     assert np.abs(table["theta"]).max() < 1e-9 and np.abs(table["v"]).max() < 1e-9
     assert np.abs(table["u"]).max() < 1e-3
@@ -114,8 +115,8 @@ def test_rest_and_budget(cell, freefem_text, tmp_path):
         assert len(press) == 2 and press == pytest.approx([0.5 * area * 0.02] * 2, rel=1e-3)
     higher = bodies.replace("0.7, 0.09,", "0.7, 0.29,").replace("0, 2)", "0.4, 2)")
     more = more.replace("0.01, 0.01, 0.19, 0.19", "0.06, 0.06, 0.24, 0.24")
-    freefem_text(case("{ " + higher + " }", more=more, mu=0.005, gravity=-4), "-mesh", cell, "-dt", 0.02, "-tend", 1.6, "-budget", 1, "-out",
-        tmp_path / "b")
+    freefem_text(case("{ " + higher + " }", more=more, mu=0.005, gravity=-4), "-mesh", cell, "-dt", 0.02, "-tend", 1.6,
+        "-budget", 1, "-out", tmp_path / "b")
     budget, last = numbers(tmp_path / "b", "budget.csv"), numbers(tmp_path / "b", "particles.csv")
     left = budget["momentum_y"] - budget["walls_y"] - budget["weight_y"]
     assert np.abs(left).max() < 0.02 * np.abs(budget["weight_y"][-1])

@@ -27,8 +27,8 @@ def plot_outlines(run, path, times=None):
             fixed = particles[:, held]
             particle_artists(axes, fixed, zorder=3, clip=run.clip, spokes=run.turns, look=look.at(fixed, t),
                 outlines=run.outlines)
-        rims = PatchCollection([patch for one, x, y, a, r, s in particles[:, ~held].T for patch in patches_of(run.outlines, one, (x, y),
-            a, r, s)],
+        rims = PatchCollection([patch for one, x, y, a, r, s in particles[:, ~held].T
+            for patch in patches_of(run.outlines, one, (x, y), a, r, s)],
             facecolor="none", edgecolor=LINE_MAP(scale(t)), linewidth=1.1, zorder=5)
         axes.add_collection(rims, autolim=False)
         clip_to(axes, rims, run.clip)

@@ -205,7 +205,8 @@ def particle_artists(axes, particles, zorder=5, clip=None, spokes=True, look=Non
     """Particles as neutral disks or ellipses, each with a line from its centre to the rim at theta.
     particles: (id, x, y, theta, radius, minor) arrays; clip: (x0, y0, width, height) beyond which
     nothing is drawn; spokes: False for particles that do not turn; look: (faces, held) of tools/plot/colour.py,
-    held ones are hatched; outlines: {id: loops} of bodies of any shape (tools/base/outlines.py). Returns the artists, for removal."""
+    held ones are hatched; outlines: {id: loops} of bodies of any shape (tools/base/outlines.py). Returns the artists, for
+    removal."""
     ids, x, y, theta, radius, minor = particles
     if not len(x):
         return []
