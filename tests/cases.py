@@ -32,6 +32,7 @@ CASES = {
     "template": ["-tend", "0.01"],
     "branching_channel": ["-tend", "0.004"],
     "settling_ellipses": ["-tend", "0.01"],
+    "settling_shapes": ["-tend", "0.01"],
     "drafting_kissing_tumbling": ["-tend", "0.002"],
     "cylinder_between_plates": ["-tend", "0.01"],
     "cylinder_beside_wall": ["-tend", "10"],

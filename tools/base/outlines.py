@@ -47,10 +47,10 @@ def loops_of(points, closed, radius):
 def read_outlines(table):
     """{id: loops} from the columns of outlines.csv."""
     found = {}
-    for part in np.unique(table["part"]):
-        rows = table["part"] == part
+    for one, part in np.unique(np.column_stack([table["id"], table["part"]]), axis=0):
+        rows = (table["id"] == one) & (table["part"] == part)
         points = np.column_stack([table["x"][rows], table["y"][rows]])
-        found.setdefault(int(table["id"][rows][0]), []).extend(loops_of(points, bool(table["closed"][rows][0]),
+        found.setdefault(int(one), []).extend(loops_of(points, bool(table["closed"][rows][0]),
             table["radius"][rows][0]))
     return found
 

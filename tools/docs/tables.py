@@ -66,7 +66,7 @@ TABLES = [
         "Exit codes")),
     Table("motion.csv", "`contacts.edp`", CONTACTS, (CONTACTS, "step, t (s), kinetic", "walls.csv ")),
     Table("wallmoves.csv", "`contacts.edp`", CONTACTS, (CONTACTS, "t,wall,x1", "Checkpoints")),
-    Table("outlines.csv", "`contacts.edp` with bodies of any shape", "", ("scripts/contacts_shapes.idp", "id, part, closed",
+    Table("outlines.csv", "`contacts.edp` and `resolved.edp` with bodies of any shape", "", ("scripts/contacts_shapes.idp", "id, part, closed",
         "Exit codes"), "id,part,closed,x,y,radius"),
     Table("entries.csv", "`transport.edp`", "lib/transport/record.idp", (TRANSPORT, "t (s), id, x, y (m)", "exits.csv ")),
     Table("exits.csv", "`transport.edp`", "lib/transport/record.idp", (TRANSPORT, "the same of each particle that leaves",

@@ -1,14 +1,13 @@
 """Pictures of bodies without the flow: outlines at several times in one panel, and force chains."""
 import numpy as np
 from matplotlib.collections import LineCollection, PatchCollection
-from matplotlib.patches import Ellipse
 
 from tools.base.command import BadInput
 from tools.plot.bodies import contact_lines
 from tools.plot.captions import headline
 from tools.plot.colour import Look
 from tools.plot.style import (FIELD_MAP, LINE_MAP, clip_to, draw_boundary, fitting, frame, lowest_with, panels, particle_artists,
-    plt, save, time_text, title)
+    patches_of, plt, save, time_text, title)
 
 NUMBER = 8  # times of the outlines
 
@@ -26,8 +25,10 @@ def plot_outlines(run, path, times=None):
         held = look.at(particles, t)[1]
         if t == times[-1]:
             fixed = particles[:, held]
-            particle_artists(axes, fixed, zorder=3, clip=run.clip, spokes=run.turns, look=look.at(fixed, t))
-        rims = PatchCollection([Ellipse((x, y), 2 * r, 2 * s, angle=np.degrees(a)) for _, x, y, a, r, s in particles[:, ~held].T],
+            particle_artists(axes, fixed, zorder=3, clip=run.clip, spokes=run.turns, look=look.at(fixed, t),
+                outlines=run.outlines)
+        rims = PatchCollection([patch for one, x, y, a, r, s in particles[:, ~held].T
+            for patch in patches_of(run.outlines, one, (x, y), a, r, s)],
             facecolor="none", edgecolor=LINE_MAP(scale(t)), linewidth=1.1, zorder=5)
         axes.add_collection(rims, autolim=False)
         clip_to(axes, rims, run.clip)
@@ -60,7 +61,7 @@ def plot_chains(run, path, times=None):
     figure, axes, bar = panels(len(found), run.extent, lowest=lowest_with(label))
     look, scale = Look(run), plt.Normalize(0, top)
     for one, (t, bodies, lines, force) in zip(axes, found):
-        particle_artists(one, bodies, clip=run.clip, spokes=False, look=look.at(bodies, t))
+        particle_artists(one, bodies, clip=run.clip, spokes=False, look=look.at(bodies, t), outlines=run.outlines)
         thick = 3.0 if len(force) < 300 else 1.6
         drawn = LineCollection(lines, linewidths=0.4 + thick * force / top, cmap=FIELD_MAP, norm=scale, array=force, zorder=6,
             capstyle="round")

@@ -123,7 +123,7 @@ def plot_trajectories(run, path):
     label = f"{size} ({length})"
     figure, (axes,), bar = panels(1, run.extent, height=6.0, lowest=lowest_with(label) if several else 0.0)
     scale = plt.Normalize(low, high) if several else plt.Normalize(0.5 * low, 1.5 * high)
-    look, ends, colours, stays = Look(run), [], [], []
+    look, ends, colours, stays, names = Look(run), [], [], [], []
     last = max([track["t"][-1] for track in tracks] + [run.columns(name)["t"].max(initial=0)
         for name in ("fluid", "steps") if run.has(name)])
     for track, diameter in zip(tracks, diameters):
@@ -135,6 +135,7 @@ def plot_trajectories(run, path):
             continue
         colours.append(colour)
         stays.append(int(track["id"][0]) in look.fixed)
+        names.append(int(track["id"][0]))
         ends.append([0] + [track[name][-1] for name in ("x", "y", "theta", "radius")] + [track["radius"][-1]
             * run.aspect(track["id"][0])])
     ends = np.array(ends, dtype=float).reshape(-1, 6)
@@ -142,7 +143,7 @@ def plot_trajectories(run, path):
     ends = run.images(ends)
     held = np.array([stays[int(k)] for k in ends[:, 0]], bool)
     particle_artists(axes, ends.T, zorder=5, clip=run.clip, spokes=run.turns, look=([(*colours[int(k)][:3], 0.75)
-        for k in ends[:, 0]], held))
+        for k in ends[:, 0]], held), outlines={k: run.outlines[one] for k, one in enumerate(names) if one in run.outlines})
     draw_boundary(axes, run)
     frame(axes, run.extent, length)
     if several:

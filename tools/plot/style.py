@@ -9,11 +9,12 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.collections import LineCollection, PatchCollection  # noqa: E402
-from matplotlib.patches import Ellipse, Rectangle  # noqa: E402
+from matplotlib.patches import Ellipse, Polygon, Rectangle  # noqa: E402
 from matplotlib.ticker import FixedLocator, MaxNLocator  # noqa: E402
 
 from tools.base.command import BadInput  # noqa: E402
 from tools.base.mesh_files import AXIS, OPEN, SOLID, chains  # noqa: E402
+from tools.base.outlines import placed  # noqa: E402
 from tools.base.run_folder import own  # noqa: E402
 from tools.plot.captions import LETTER, fold_powers, plain  # noqa: E402
 
@@ -189,25 +190,39 @@ def draw_particles(axes, run, time, look):
     if run.in_space:  # a SphereRun (tools/plot/spheres.py)
         return run.draw_particles(axes, time, look)
     particles = run.particles_at(time)
-    return particle_artists(axes, particles, clip=run.clip, spokes=run.turns, look=look.at(particles, time))
+    return particle_artists(axes, particles, clip=run.clip, spokes=run.turns, look=look.at(particles, time),
+        outlines=run.outlines)
 
 
-def particle_artists(axes, particles, zorder=5, clip=None, spokes=True, look=None):
+def patches_of(outlines, one, centre, theta, radius, minor):
+    """The patches of the body `one` with these semi-axes: an ellipse, or a polygon for each loop of a body of any shape."""
+    if outlines and int(one) in outlines:
+        return [Polygon(loop, closed=True) for loop in placed(outlines[int(one)], *centre, theta)]
+    return [Ellipse(centre, 2 * radius, 2 * minor, angle=np.degrees(theta))]
+
+
+def particle_artists(axes, particles, zorder=5, clip=None, spokes=True, look=None, outlines=None):
     """Particles as neutral disks or ellipses, each with a line from its centre to the rim at theta.
     particles: (id, x, y, theta, radius, minor) arrays; clip: (x0, y0, width, height) beyond which
     nothing is drawn; spokes: False for particles that do not turn; look: (faces, held) of tools/plot/colour.py,
-    held ones are hatched. Returns the artists, for removal."""
-    _, x, y, theta, radius, minor = particles
+    held ones are hatched; outlines: {id: loops} of bodies of any shape (tools/base/outlines.py). Returns the artists, for
+    removal."""
+    ids, x, y, theta, radius, minor = particles
     if not len(x):
         return []
     # The rim is drawn inside, so that a thick pen does not make touching disks overlap.
-    shapes = [Ellipse((a, b), 2 * r, 2 * s, angle=np.degrees(t)) for a, b, t, r, s in zip(x, y, theta, radius, minor)]
+    shapes = [patches_of(outlines, one, (a, b), t, r, s) for one, a, b, t, r, s in zip(ids, x, y, theta, radius, minor)]
     faces, held = look if look is not None else ([BODY] * len(x), np.zeros(len(x), bool))
     groups = []
     for which, hatch in ((~held, None), (held, "////")):
         if which.any():
-            groups.append(PatchCollection([shapes[k] for k in np.flatnonzero(which)], facecolor=[faces[k] for k in
-                np.flatnonzero(which)], edgecolor=BODY_EDGE, linewidth=0.6, zorder=zorder, hatch=hatch))
+            parts = [(patch, faces[k]) for k in np.flatnonzero(which) for patch in shapes[k]]
+            groups.append(PatchCollection([patch for patch, _ in parts], facecolor=[face for _, face in parts],
+                edgecolor=BODY_EDGE, linewidth=0.6, zorder=zorder, hatch=hatch))
+            joined = [(patch, faces[k]) for k in np.flatnonzero(which) if len(shapes[k]) > 1 for patch in shapes[k]]
+            if joined:  # the inside of a union hides the rims of its parts
+                groups.append(PatchCollection([patch for patch, _ in joined], facecolor=[face for _, face in joined],
+                    edgecolor="none", zorder=zorder, hatch=hatch))
     ends = np.stack([np.column_stack([x, y]),
                      np.column_stack([x + radius * np.cos(theta), y + radius * np.sin(theta)])], axis=1)
     marks = LineCollection(ends, color=BODY_EDGE, linewidth=0.8, zorder=zorder + 0.1)
