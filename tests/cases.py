@@ -35,6 +35,7 @@ CASES = {
     "drafting_kissing_tumbling": ["-tend", "0.002"],
     "cylinder_between_plates": ["-tend", "0.01"],
     "cylinder_beside_wall": ["-tend", "10"],
+    "cylinder_in_stream": ["-tend", "0.1"],
     "cylinder_array": ["-tend", "0.01"],
     "couette_disk": ["-tend", "0.1"],
     "sheared_suspension": ["-tend", "0.1"],
