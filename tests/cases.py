@@ -24,7 +24,7 @@ CASES = {
     "pipe_flow": ["-model", "laminar", "-reynolds", "20", "-coarse", "6"],
     "turbulent_channel": ["-cells", "12"],
     "turbulent_step": ["-size", "0.25", "-inlet", "5", "-outlet", "12", "-tolerance", "0.1"],
-    "orifice_plate": ["-cells", "6", "-outlet", "7", "-tolerance", "0.9"],
+    "orifice_plate": ["-cells", "6", "-outlet", "7", "-tolerance", "0.9", "-opening", "0.7", "-coarse", "0"],
     "diaphragm_loss": ["-cells", "6", "-outlet", "4", "-tolerance", "0.9"],
     "settling_disk": ["-tend", "0.01"],
     "sinking_disk": ["-tend", "0.03"],
