@@ -148,8 +148,8 @@ def test_a_wall_in_many_pieces_is_one_film(chords, freefem_text, tmp_path):
 
 
 def test_nothing_is_computed_where_all_are_far_from_each_other(box, freefem_text, tmp_path):
-    done = freefem_text(standard_alone(scene("bodyDisk(2.3, 4, 0.8, 2); bodyDisk(5.7, 4, 0.8, 2);", LOOK)), "-mesh", box, "-dt", 0.02,
-        "-tend", 0.06, "-out", tmp_path / "run")
+    done = freefem_text(standard_alone(scene("bodyDisk(2.3, 4, 0.8, 2); bodyDisk(5.7, 4, 0.8, 2);", LOOK)), "-mesh", box, "-dt",
+        0.02, "-tend", 0.06, "-out", tmp_path / "run")
     assert (rows(done.stdout, "films") == np.zeros((3, 4))).all()
 
 
