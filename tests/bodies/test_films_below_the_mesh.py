@@ -50,7 +50,7 @@ def test_a_disk_sinks_to_the_floor_as_the_exact_resistance_says(x, step, box, fr
     late = (gap < 0.12) & (np.arange(len(gap)) * step > 0.4)  # it starts from rest
     ratio = WEIGHT / speed / exact(gap)
     # for some steps after another vertex has been left out
-    assert gap.min() < 0.041 and 0.88 < ratio[late].min() and ratio[late].max() < 1.3
+    assert gap.min() < 0.041 and 0.85 < ratio[late].min() and ratio[late].max() < 1.25
     assert 0.94 < np.median(ratio[late]) < 1.1
     first, last = np.argmax(late), len(gap) - 1
     way = np.linspace(gap[last], gap[first], 2000)
@@ -148,8 +148,8 @@ def test_a_wall_in_many_pieces_is_one_film(chords, freefem_text, tmp_path):
 
 
 def test_nothing_is_computed_where_all_are_far_from_each_other(box, freefem_text, tmp_path):
-    done = freefem_text(standard_alone(scene("bodyDisk(2.3, 4, 0.8, 2); bodyDisk(5.7, 4, 0.8, 2);", LOOK)), "-mesh", box, "-dt", 0.02,
-        "-tend", 0.06, "-out", tmp_path / "run")
+    done = freefem_text(standard_alone(scene("bodyDisk(2.3, 4, 0.8, 2); bodyDisk(5.7, 4, 0.8, 2);", LOOK)), "-mesh", box, "-dt",
+        0.02, "-tend", 0.06, "-out", tmp_path / "run")
     assert (rows(done.stdout, "films") == np.zeros((3, 4))).all()
 
 

@@ -28,5 +28,6 @@ def test_a_disk_is_judged_by_its_resistance_and_its_time(factor, least, missed, 
     run = Run(types.SimpleNamespace(table=lambda name: sunk(factor, least)), 1.0, 1.0)
     monkeypatch.setattr(films, "DENSITY", 0)
     monkeypatch.setattr(Context, "run", lambda *given: run)
-    rows = list(films.pushed(Context("films", tmp_path), films.at_wall, False, [(0.0625, 2, {"-x": 1.0})], ("box",), 0.15, "a disk"))
+    runs = [(0.0625, 2, {"-x": 1.0})]
+    rows = list(films.pushed(Context("films", tmp_path), films.at_wall, False, runs, ("box",), 0.15, "a disk"))
     assert len(rows) == len(films.GAPS) + 2 and sum(not row.passed for row in rows) == missed
