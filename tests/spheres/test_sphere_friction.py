@@ -165,8 +165,8 @@ include "scripts/contact_spheres.edp"
 
 def test_thrown_spheres_roll_and_four_in_a_pyramid_rest(freefem_text, tmp_path):
     """Thrown with v0, a sphere slides until t = 2 v0/(7 mu g) and rolls with 5/7 v0 then. Four equal spheres stand where
-    mu >= sqrt(3) - sqrt(2) between them (and a quarter of it on the floor): 1 % above they rest, 1 % below they run apart. The energy
-    never rises, and momentum is kept."""
+    mu >= sqrt(3) - sqrt(2) between them (and a quarter of it on the floor): 1 % above they rest, 1 % below they run apart. The
+    energy never rises, and momentum is kept."""
     said = freefem_text(SCENE, "-tend", 1, "-dt", 0.01, "-friction", 0.35, "-out", tmp_path / "run").stdout
     rows, motion = read_table(tmp_path / "run/particles.csv"), read_table(tmp_path / "run/motion.csv")
     thrown = rows["id"] == 0

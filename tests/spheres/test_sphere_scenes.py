@@ -30,8 +30,8 @@ def box(tmp_path_factory):
 
 
 def test_waiting_spheres_enter_when_due_and_when_there_is_room(box, freefem_text, tmp_path):
-    """One is due at 0.02 s, one at once where another falls out of its way, one where a held sphere stays; they come with the motion
-    of the fluid, and a restart between two entries continues byte for byte."""
+    """One is due at 0.02 s, one at once where another falls out of its way, one where a held sphere stays; they come with the
+    motion of the fluid, and a restart between two entries continues byte for byte."""
     fill = "bodySphere(0, 0, 0.036, R, 2500); sphereHeld(bodySphere(-0.02, 0, 0.01, R, 1000));" \
         " sphereWaits(0.02, 0, 0.04, R, 1000, 0.02); sphereWaits(0, 0, 0.046, R, 1000, 0); sphereWaits(-0.02, 0, 0.02, R, 1000, 0);"
     options, run = ["-mesh", box, "-cfl", 0, "-tend", 0.09, "-checkpoint", 5], tmp_path / "run"

@@ -11,7 +11,8 @@ NAMES = "step t id x y z u v w omega_x omega_y omega_z radius".split()
 def test_the_view_from_the_front(tmp_path):
     rows = [[k, k, one, one, -2.0 * one, 1 + one, 3, 0, -4 * k, 0, 0, 0, 0.5] for k in (0, 1) for one in (0, 1, 2)]
     write_csv(tmp_path / "particles.csv", NAMES, rows)
-    write_csv(tmp_path / "motion.csv", ["step", "t", "kinetic_energy", "potential_energy", "worst_gap"], [[0, 0, 0, 2, 0], [1, 1, 1, 1, 0]])
+    write_csv(tmp_path / "motion.csv", ["step", "t", "kinetic_energy", "potential_energy", "worst_gap"],
+        [[0, 0, 0, 2, 0], [1, 1, 1, 1, 0]])
     walls = [[0, 0, 0, 1, 0, 0, 0, 1, 0], [0, 5, 0, 1, 5, 0, 0, 5, 9], [0, 0, 0, 0, 1, 0, 0, 0, 9]]
     write_csv(tmp_path / "walls.csv", [f"{c}{k}" for k in (1, 2, 3) for c in "xyz"], walls)
     run = SphereContactRun(tmp_path)

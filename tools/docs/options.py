@@ -10,6 +10,7 @@ from tools.base.command import ROOT, BadInput
 DRIVERS = {
     "resolved.edp": "Particles with the flow around each of them",
     "spheres.edp": "Spheres in three dimensions",
+    "contact_spheres.edp": "Spheres and contacts alone",
     "flow.edp": "Unsteady flow without particles",
     "steady_laminar.edp": "Steady laminar flow",
     "steady.edp": "Steady flow with a turbulence model",

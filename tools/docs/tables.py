@@ -30,6 +30,7 @@ RECORD = "lib/record/record.idp"
 TRANSPORT = "scripts/transport.edp"
 CONTACTS = "scripts/contacts.edp"
 SPHERES = "lib/spheres/record.idp"
+DRY = "lib/spheres/dry_record.idp"
 FLUID = (RECORD, "step, t, dt (s), iterations", "Exit codes")
 TABLES = [
     Table("particles.csv", "every run with particles", PARTICLES, (PARTICLES, "step, t (s), id", "; contacts.csv")),
@@ -60,10 +61,11 @@ TABLES = [
     Table("exits.csv", "`spheres.edp`", "lib/spheres/leave.idp", ("lib/spheres/leave.idp", "t, s; id", "leaveFind")),
     Table("budget.csv", "`spheres.edp` with `-budget 1`", "lib/spheres/sphere_budget.idp", ("lib/spheres/sphere_budget.idp",
         "t, momentum (3, N s)", "balanceTouch")),
-    Table("motion.csv", "`contact_spheres.edp`", "lib/spheres/dry_record.idp", ("lib/spheres/dry_record.idp",
+    Table("particles.csv", "`contact_spheres.edp`", DRY, (SPHERES, "step, t (s), id, x, y, z", "contacts.csv ")),
+    Table("contacts.csv", "`contact_spheres.edp`", DRY, (SPHERES, "t (s), i, j (ids; -1 - k", "fluid.csv ")),
+    Table("motion.csv", "`contact_spheres.edp`", DRY, (DRY,
         "step, t (s), kinetic", "walls.csv ")),
-    Table("walls.csv", "`contact_spheres.edp`", "lib/spheres/dry_record.idp", ("lib/spheres/dry_record.idp", "x1,y1,z1",
-        "Exit codes")),
+    Table("walls.csv", "`contact_spheres.edp`", DRY, (DRY, "x1,y1,z1", "Exit codes")),
     Table("motion.csv", "`contacts.edp`", CONTACTS, (CONTACTS, "step, t (s), kinetic", "walls.csv ")),
     Table("wallmoves.csv", "`contacts.edp`", CONTACTS, (CONTACTS, "t,wall,x1", "Checkpoints")),
     Table("outlines.csv", "`contacts.edp` and `resolved.edp` with bodies of any shape", "", ("scripts/contacts_shapes.idp", "id, part, closed",
