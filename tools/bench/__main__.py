@@ -88,7 +88,8 @@ def jobs_of(part, there, out, quick, limit):
     if quick:
         return spheres + scaling_jobs(out, {OURS: [(4, 20, 5), (8, 10, 4)], PUBLISHED: [(4, 3, 1)]},
                             {OURS: [(0, 20, 5), (1, 20, 5), (50, 15, 5)], "none": [(None, 20, 5)]}, [], [], [], limit)
-    return spheres + scaling_jobs(out, {OURS: [(4, 40, 10), (6, 40, 10), (8, 30, 10), (12, 25, 10), (17, 15, 5)], PUBLISHED: [(4, 4, 1),
+    return spheres + scaling_jobs(out,
+                        {OURS: [(4, 40, 10), (6, 40, 10), (8, 30, 10), (12, 25, 10), (17, 15, 5)], PUBLISHED: [(4, 4, 1),
         (6, 3, 1), (8, 3, 1)]},
                         {OURS: [(0, 40, 10), (1, 40, 10), (50, 40, 10), (500, 20, 5)], "none": [(None, 40, 10)],
                             PUBLISHED: [(1, 3, 1), (50, 3, 1), (500, 3, 1)]},

@@ -37,7 +37,8 @@ def sphere_step(cells, direct, out, steps, warm, limit):
 
 
 # (elements across the sphere, steps, first steps that do not count)
-STEPS = {False: {OURS: [(4, 25, 10), (6, 20, 8), (8, 15, 5), (12, 8, 3), (18, 6, 3)], ITERATED: [(4, 25, 10), (8, 15, 5), (12, 8, 3)]},
+STEPS = {False: {OURS: [(4, 25, 10), (6, 20, 8), (8, 15, 5), (12, 8, 3), (18, 6, 3)],
+                 ITERATED: [(4, 25, 10), (8, 15, 5), (12, 8, 3)]},
          True: {OURS: [(4, 15, 5), (6, 8, 3)], ITERATED: [(4, 15, 5)]}}
 DIRECT = {OURS: 200000, ITERATED: 0}
 
