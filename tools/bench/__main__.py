@@ -30,6 +30,7 @@ from tools.bench.rounds import collect, earlier, run_rounds
 from tools.bench.scaling import scaling_jobs
 from tools.bench.flow import MULTIPLIERS, TENSORIAL
 from tools.bench.scenes import OURS, PUBLISHED, contact_jobs, flow_jobs, particle_jobs, suspension_jobs
+from tools.bench.spheres import sphere_jobs
 from tools.bench.transport import transport_jobs
 from tools.peers import contact_packages as bench_contacts
 from tools.peers import with_liggghts
@@ -87,10 +88,12 @@ def jobs_of(part, there, out, quick, limit):
         return discrete_jobs(out, {"discharge": discharge, "fall": short}, 1 if quick else 3, limit)
     if part == "transport":
         return transport_jobs(out, [100, 10000] if quick else [100, 1000, 10000, 100000], 2 if quick else 3)
+    spheres = sphere_jobs(out, quick, limit)
     if quick:
-        return scaling_jobs(out, {OURS: [(4, 20, 5), (8, 10, 4)], PUBLISHED: [(4, 3, 1)]},
+        return spheres + scaling_jobs(out, {OURS: [(4, 20, 5), (8, 10, 4)], PUBLISHED: [(4, 3, 1)]},
                             {OURS: [(0, 20, 5), (1, 20, 5), (50, 15, 5)], "none": [(None, 20, 5)]}, [], [], [], limit)
-    return scaling_jobs(out, {OURS: [(4, 40, 10), (6, 40, 10), (8, 30, 10), (12, 25, 10), (17, 15, 5)], PUBLISHED: [(4, 4, 1),
+    return spheres + scaling_jobs(out,
+                        {OURS: [(4, 40, 10), (6, 40, 10), (8, 30, 10), (12, 25, 10), (17, 15, 5)], PUBLISHED: [(4, 4, 1),
         (6, 3, 1), (8, 3, 1)]},
                         {OURS: [(0, 40, 10), (1, 40, 10), (50, 40, 10), (500, 20, 5)], "none": [(None, 40, 10)],
                             PUBLISHED: [(1, 3, 1), (50, 3, 1), (500, 3, 1)]},

@@ -15,6 +15,7 @@ STYLES = {
     "LIGGGHTS": ("#e69f00", "H", (0, (2, 2))), "standard, loose": ("#56b4e9", "d", (0, (3, 1, 1, 1))),
     "accelerated": ("#56b4e9", "P", (0, (3, 1))), "piqp": ("#e69f00", "X", "-."), "clarabel": ("#595959", "<", "--"),
     "scs": ("#000000", ">", ":"), "osqp": ("#a05000", "*", (0, (1, 1))), "no particles in the program": ("#009e73", "h", ":"),
+    "conjugate gradients": ("#e69f00", "v", (0, (4, 2))),
     "standard, in the jet": ("#56b4e9", "d", (0, (6, 1))), "standard, 3 mm": ("#003f66", "X", (0, (2, 1))),
         "standard, 3 mm, carried": ("#cc79a7", "P", (0, (4, 1, 1, 1))),
 }
@@ -27,9 +28,9 @@ SHORT = {("flow", "2d1"): "DFG 2D-1, drag", ("flow", "2d2"): "DFG 2D-2, worst of
          ("transport", "spheres"): "1,000 carried spheres",
              ("transport", "step"): "carried spheres",
          ("contacts", "number"): "contacts", ("scaling", "unknowns"): "settling disk",
-             ("scaling", "particles"): "disks in the pipe"}
+             ("scaling", "particles"): "disks in the pipe", ("scaling", "sphere"): "settling sphere"}
 FEATURES = {"contacts of carried spheres": "contacts, spheres", "contacts of spheres far apart": "used, far apart"}
-SIZES = {"number": "disks", "step": "spheres", "unknowns": "unknowns", "particles": "disks (0 drawn at 0.3)"}
+SIZES = {"number": "disks", "step": "spheres", "unknowns": "unknowns", "sphere": "unknowns", "particles": "disks (0 drawn at 0.3)"}
 
 
 def look(name):

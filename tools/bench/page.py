@@ -25,6 +25,7 @@ TITLES = {
     ("contacts", "number"): "Contact projection against the number of disks",
     ("scaling", "unknowns"): "A step of the settling disk against unknowns",
     ("scaling", "particles"): "A step of the pipe against disks in it",
+    ("scaling", "sphere"): "A step of the settling sphere against unknowns",
 }
 OTHERS = ("ngsolve", "scikit-fem", "lbmpy", "pystencils", "piqp", "clarabel", "scs", "osqp", "scipy")
 
