@@ -1,6 +1,6 @@
 """Bodies of any shape in a flow: a capsule in Stokes flow, against meshes that fit it.
 
-tools/peers/body_fitted/shapes_stokes.edp, of which the drags differ by 2e-4 from those with half as many points.
+tools/peers/body_fitted/shapes_stokes.edp, of which the drags differ by 3e-4 from those with half as many points.
 """
 import numpy as np
 
