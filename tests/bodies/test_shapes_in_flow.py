@@ -144,7 +144,8 @@ def test_restart_with_files_and_the_queue(cell, tmp_path):
 
 
 @pytest.mark.parametrize("words, scene, word", [
-    (["-scheme", "published"], {}, "published"), (["-friction", 0.3], {}, "friction"), (["-film", 1], {}, "film"),
+    pytest.param(["-scheme", "published"], {}, "published", marks=pytest.mark.slow), (["-friction", 0.3], {}, "friction"),
+    pytest.param(["-film", 1], {}, "film", marks=pytest.mark.slow),
     ([], {"walls": "labelLeft, labelRight, labelBottom", "slip": "labelTop"}, "symmetry")])
 def test_what_shapes_do_not_take_is_refused(words, scene, word, cell, freefem_text):
     done = freefem_text(case("bodyCapsule(0.5, 0.5, 0.1, 0.1, 0, 2);", more=WORDS, **scene), "-mesh", cell, *words, check=False)
