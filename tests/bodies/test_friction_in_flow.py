@@ -54,13 +54,26 @@ def test_a_heavy_ellipse_stays_or_slides_down_a_slope(tilt, slides, long_box, fr
     a, g, mu, t = np.radians(tilt), 9.81, 0.3, 0.1
     normal, height = leaning(0.1, 0.06, min(np.tan(a), mu))
     code = f"bodyEllipse(0.5, {height:.17g}, 0.1, 0.06, {np.pi / 2 - normal:.17g}, 1000);"
-    freefem_text(HEAVY.replace("CODE", code), "-mesh", long_box, "-tilt", tilt, "-friction", mu, "-dt", 0.005, "-tend", t, "-every", t, "-stabilise", 0, "-out", tmp_path / "run")
+    freefem_text(HEAVY.replace("CODE", code), "-mesh", long_box, "-tilt", tilt, "-friction", mu, "-dt", 0.005,
+        "-tend", t, "-every", t, "-stabilise", 0, "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     last, table = run.table("contacts"), run.particles
     assert table["u"][-1] == pytest.approx(g * (np.sin(a) - mu * np.cos(a)) * t if slides else 0, rel=0.01, abs=1e-4)
     assert abs(table["omega"][-1]) * 0.1 < 0.01 * g * t and abs(table["y"][-1] - height) < 1e-4
     assert np.abs(last["tangential"][-1]) == pytest.approx(min(np.tan(a), mu) * last["impulse"][-1], rel=0.005)
     assert last["sliding"][-1] == slides
+
+
+def test_a_heavy_disk_on_a_moving_plate_is_carried(long_box, freefem_text, tmp_path):
+    """Friction is that of the plate's own velocity: u = mu g t while it slides."""
+    text = HEAVY.replace("CODE", "bodyDisk(0.5, 0.1, 0.1, 1000);").replace("labelBottom, labelTop], flowMoving(0)",
+        "labelTop], flowMoving = [labelBottom]").replace("func real boundaryRamp",
+            "macro boundaryU() 1. // EOM\nfunc real boundaryRamp")
+    freefem_text(text, "-mesh", long_box, "-tilt", 0, "-friction", 0.3, "-dt", 0.005, "-tend", 0.05, "-stabilise", 0, "-out",
+        tmp_path / "run")
+    table = RunFolder(tmp_path / "run").particles
+    assert table["u"][-1] == pytest.approx(0.3 * 9.81 * 0.05, rel=0.02)
+    assert table["omega"][-1] == pytest.approx(2 * table["u"][-1] / 0.1, rel=0.02)
 
 
 @pytest.mark.parametrize("kind", [pytest.param("disk", marks=pytest.mark.slow), "ellipse"])
