@@ -25,7 +25,8 @@ from tools.stress.figure import draw_all, draw_map
 from tools.stress.limits import defaults_inside, failures, write_limits
 from tools.stress.runs import Progress, run_map
 
-MAPS = {one.name: one for module in (maps_flow, maps_particles, maps_contacts, maps_friction, maps_energy, maps_long) for one in module.MAPS}
+MAPS = {one.name: one for module in (maps_flow, maps_particles, maps_contacts, maps_friction, maps_energy, maps_long)
+    for one in module.MAPS}
 
 
 def parser():
