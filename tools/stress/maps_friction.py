@@ -6,8 +6,8 @@ from tools.stress.maps_contacts import FALL, GRAVITY, RADIUS, balance_error, fal
 
 COEFFICIENTS = [0, 0.1, 0.3, 0.5, 1, 2, 5, 10]
 RISE, KEPT, LEFT = 1e-6, 1e-8, 1e-4  # energy in a step over its peak, momentum over its peak, residual of the law in mean radii
-HELD = (f"energy rises by less than {RISE:g} of its peak in a step, momentum is kept to {KEPT:g}, the residual of Coulomb's law is at "
-    f"most {LEFT:g} mean radii")
+HELD = (f"energy rises by less than {RISE:g} of its peak in a step, momentum is kept to {KEPT:g}, the residual of Coulomb's law "
+    f"is at most {LEFT:g} mean radii")
 REMEDIES = {"stable": "a larger -friction-maxit, or a smaller -dt", "stopped": "a smaller -dt", "late": "a larger -friction-tol",
     "overlap": "a smaller -contact-overlap", "blown up": "a smaller -dt"}
 
@@ -42,7 +42,8 @@ def mixed(ratio, mu):
 
 def crowd(number, dt):
     """So many disks in a box as wide as their number asks for; the lowest rows have landed at the end."""
-    return falls({"-number": number, "-width": 0.14 * number**0.5, "-friction": 0.5, "-dt": dt}, 2.0 * number**0.5, 0.48, patience=5)
+    return falls({"-number": number, "-width": 0.14 * number**0.5, "-friction": 0.5, "-dt": dt}, 2.0 * number**0.5, 0.48,
+        patience=5)
 
 
 MAPS = [
