@@ -56,12 +56,12 @@ include "scripts/resolved.edp"
 """
 
 
-def momentum_told(freefem_text, folder, bodies, more=""):
+def momentum_told(freefem_text, folder, bodies, more="", words=()):
     """Rows of a run of the scene HIT with these bodies: total momentum along x and y, and the contacts' impulse. Without films, so
     that they do touch."""
     mesh = f"{folder}.mesh"
     text = f'{{ int[int] sides = [13, 12, 14, 11]; savemesh(square(40, 40, label = sides), "{mesh}"); }}\ncout.precision(12);\n{more}' + HIT.replace("BODIES", bodies)
-    return rows(freefem_text(text, "-film", 0, "-mesh", mesh, "-out", folder).stdout, "momentum")
+    return rows(freefem_text(text, "-film", 0, "-mesh", mesh, "-out", folder, *words).stdout, "momentum")
 
 
 def outline(x, y, turn, a, aspect, angles):

@@ -2,7 +2,8 @@
 import numpy as np
 import pytest
 
-from tests.tables import assert_refused
+from tests.contact.test_friction_ellipses import leaning
+from tests.tables import assert_refused, momentum_told
 from tools.base.run_folder import RunFolder
 
 # A disk of a thousand times the density of its fluid on the lower wall of a long box: the fluid takes 0.2 % of its acceleration.
@@ -46,6 +47,55 @@ def test_a_heavy_disk_rolls_or_slides_down_a_slope(tilt, rolls, long_box, freefe
     assert share == pytest.approx(0.3, rel=1e-4) if not rolls else (share < 0.15).all()
 
 
+@pytest.mark.parametrize("tilt, slides", [(14, False), (45, True)])
+def test_a_heavy_ellipse_stays_or_slides_down_a_slope(tilt, slides, long_box, freefem_text, tmp_path):
+    """As in tests/contact/test_friction_ellipses.py: it leans until its point of contact is under its centre (tan a < mu), or,
+    where it slides with g (sin a - mu cos a), until the force passes through it."""
+    a, g, mu, t = np.radians(tilt), 9.81, 0.3, 0.1
+    normal, height = leaning(0.1, 0.06, min(np.tan(a), mu))
+    code = f"bodyEllipse(0.5, {height:.17g}, 0.1, 0.06, {np.pi / 2 - normal:.17g}, 1000);"
+    freefem_text(HEAVY.replace("CODE", code), "-mesh", long_box, "-tilt", tilt, "-friction", mu, "-dt", 0.005,
+        "-tend", t, "-every", t, "-stabilise", 0, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    last, table = run.table("contacts"), run.particles
+    assert table["u"][-1] == pytest.approx(g * (np.sin(a) - mu * np.cos(a)) * t if slides else 0, rel=0.01, abs=1e-4)
+    assert abs(table["omega"][-1]) * 0.1 < 0.01 * g * t and abs(table["y"][-1] - height) < 1e-4
+    assert np.abs(last["tangential"][-1]) == pytest.approx(min(np.tan(a), mu) * last["impulse"][-1], rel=0.005)
+    assert last["sliding"][-1] == slides
+
+
+def test_a_heavy_disk_on_a_moving_plate_is_carried(long_box, freefem_text, tmp_path):
+    """Friction is that of the plate's own velocity: u = mu g t while it slides."""
+    text = HEAVY.replace("CODE", "bodyDisk(0.5, 0.1, 0.1, 1000);").replace("labelBottom, labelTop], flowMoving(0)",
+        "labelTop], flowMoving = [labelBottom]").replace("func real boundaryRamp",
+            "macro boundaryU() 1. // EOM\nfunc real boundaryRamp")
+    freefem_text(text, "-mesh", long_box, "-tilt", 0, "-friction", 0.3, "-dt", 0.005, "-tend", 0.05, "-stabilise", 0, "-out",
+        tmp_path / "run")
+    table = RunFolder(tmp_path / "run").particles
+    assert table["u"][-1] == pytest.approx(0.3 * 9.81 * 0.05, rel=0.02)
+    assert table["omega"][-1] == pytest.approx(2 * table["u"][-1] / 0.1, rel=0.02)
+
+
+@pytest.mark.parametrize("kind", [pytest.param("disk", marks=pytest.mark.slow), "ellipse"])
+def test_a_collision_in_a_fluid_has_its_friction_at_once(kind, freefem_text, tmp_path):
+    """Two bodies meet obliquely in a periodic box: the tangential impulse turns both (I w = f R for disks), and momentum holds to
+    0.4 % of the impulse. It was 0.002 of the pressure, as the projection stops a small part of the approach only."""
+    bodies = {"disk": "bodyAdd(0.38, 0.5, 0.1, 2, 1, 0.0, 0, 1); bodyAdd(0.62, 0.55, 0.1, 2, -1, 0.6, 0, 1);",
+        "ellipse": "bodyEllipse(0.38, 0.5, 0.11, 0.07, 0.5, 2); bodyEllipse(0.62, 0.55, 0.1, 0.07, 0.9, 2); "
+        "bodyQ = [1, -1, 0, 0.6, 0, 0]; bodyQ1 = bodyQ; bodyQ2 = bodyQ;"}[kind]
+    found = momentum_told(freefem_text, tmp_path / "run", "{" + bodies + "}", words=("-friction", 0.5))
+    run = RunFolder(tmp_path / "run")
+    first = run.table("contacts")
+    hit = int(np.argmax(found[:, 2] > 1e-4))
+    press, rub = first["impulse"][0], first["tangential"][0]
+    assert hit > 1 and found[hit, 2] == pytest.approx(press, rel=1e-6) and 0.1 * press < abs(rub) <= 0.5 * press * (1 + 1e-3)
+    assert np.hypot(*(found[hit] - found[hit - 1])[:2]) < 0.004 * press
+    at = int(np.argmin(abs(run.particles["t"][::2] - first["t"][0])))
+    turned = np.diff(run.particles["omega"].reshape(-1, 2), axis=0)[at - 1]
+    if kind == "disk":
+        assert turned * 2 * np.pi * 0.1**4 / 2 == pytest.approx([-rub * 0.1] * 2, rel=0.1)
+
+
 def test_momentum_holds_with_friction(freefem, tmp_path):
     """What wall and contact give the fluid and the disk is their change of momentum, as without friction."""
     off = []
@@ -77,7 +127,6 @@ def test_a_wall_of_the_mesh_may_have_a_friction_of_its_own(long_box, freefem_tex
 
 
 @pytest.mark.parametrize("code, words, says", [
-    ("bodyEllipse(0.5, 0.2, 0.1, 0.05, 0, 2);", [], "ellipses"),
     ("bodyDisk(0.5, 0.2, 0.1, 2);", ["-scheme", "published"], "friction is for -scheme standard"),
     ("{ wallRough(77, 0.1); bodyDisk(0.5, 0.2, 0.1, 2); }", [], "no wall with this label"),
     ("bodyRough(bodyDisk(0.5, 0.2, 0.1, 2), -1);", [], "coefficient of friction"),

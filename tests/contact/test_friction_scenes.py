@@ -98,6 +98,21 @@ def test_a_thrown_disk_rolls_at_two_thirds_of_its_speed(scene):
     assert (sliding["sliding"][sliding["t"] < slides] == 1).all() and (sliding["sliding"][sliding["t"] > slides + dt] == 0).all()
 
 
+@pytest.mark.parametrize("beside", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_a_disk_on_a_belt_rolls_at_a_third_of_its_speed(beside, scene):
+    """The wall stays where it is, its surface moves along it; beside an ellipse the disk takes the path of ellipses."""
+    mu, dt, belt = 0.3, 0.002, 0.5
+    folder = scene([disk(0.0, R)] + ["bodyEllipse(5, 5, 0.01, 0.005, 0, 1000);"] * beside,
+        [f"contactWallGlide(contactWallRough(contactWallSegment(-1, 0, 9, 0), {mu}), {belt});"], "-friction", 0.8, "-dt", dt,
+        "-tend", 0.1, "-every", dt)
+    rows = read_table(folder / "particles.csv")
+    own, slides = rows["id"] == 0, belt / (3 * mu * G)
+    t, u, spin = rows["t"][own], rows["u"][own], rows["omega"][own] * R
+    np.testing.assert_allclose(u[t < slides], mu * G * t[t < slides], atol=1e-9)
+    np.testing.assert_allclose(u[t > slides + dt], belt / 3, atol=1e-9)
+    np.testing.assert_allclose(spin[t > slides + dt], 2 * belt / 3, atol=1e-9)
+
+
 def test_the_relaxed_law_lifts_what_slides(scene):
     """By mu dt times the speed of sliding, which the exact law does not."""
     folder = scene([disk(0.0, R, motion=(1.0, 0.0, 0.0))], ["contactWallSegment(-1, 0, 9, 0);"], "-friction", 0.3, "-friction-law",

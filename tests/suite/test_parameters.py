@@ -25,6 +25,7 @@ MANY = {
     "contactRowSet": "the arrays of one linearised problem, which only its caller has",
     "contactEllipseApart": "called for the whole list and for gathered parts of it, with five results",
     "contactEllipseProject": SCENE,
+    "contactEllipseRub": SCENE,
     "contactEllipseStart": SCENE,
     "filmShape": "called for either body of the films, with the arrays of a scene",
     "formCircleSegment": "a circle, a segment and what is asked",

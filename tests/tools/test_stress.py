@@ -408,6 +408,12 @@ def test_random_closed_scenes_lie_within_their_walls_apart_from_each_other_and_c
     assert max(len(one.rows) for one in scenes) > 20 and sum(len(one.rows) == 1 for one in scenes) > 10
 
 
+@pytest.mark.parametrize("name", ["friction_size_ratio", "friction_stack"])
+def test_friction_of_the_quick_form_keeps_energy_momentum_and_the_law(name, tmp_path):
+    grid, rows = run_map(stress.MAPS[name], tmp_path, True, say=lambda line: None)
+    assert {rows[pair]["class"] for pair in grid} == {"accurate"}, [rows[pair]["reason"] for pair in grid]
+
+
 def test_closed_scenes_of_the_quick_form_keep_their_energy(tmp_path):
     grid, rows = run_map(stress.MAPS["energy"], tmp_path, True, say=lambda line: None)
     assert {rows[pair]["class"] for pair in grid} == {"stable"}, [rows[pair]["reason"] for pair in grid]

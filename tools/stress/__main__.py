@@ -20,12 +20,13 @@ import time
 
 from tools.base.command import ROOT, BadInput, Parser, guarded, out_folder, positive, whole
 from tools.base.runner import commit, freefem
-from tools.stress import maps_contacts, maps_energy, maps_flow, maps_long, maps_particles
+from tools.stress import maps_contacts, maps_energy, maps_flow, maps_friction, maps_long, maps_particles
 from tools.stress.figure import draw_all, draw_map
 from tools.stress.limits import defaults_inside, failures, write_limits
 from tools.stress.runs import Progress, run_map
 
-MAPS = {one.name: one for module in (maps_flow, maps_particles, maps_contacts, maps_energy, maps_long) for one in module.MAPS}
+MAPS = {one.name: one for module in (maps_flow, maps_particles, maps_contacts, maps_friction, maps_energy, maps_long)
+    for one in module.MAPS}
 
 
 def parser():
