@@ -134,11 +134,11 @@ def test_without_liggghts_one_line_says_so(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(with_liggghts, "PROGRAM", "liggghts-that-is-not-there")
     jobs = discrete.discrete_jobs(tmp_path, {"fall": {discrete.ELEMENTS: [0, 1, 2]}}, 1, 9)
     samples = run_rounds(jobs, 1, 9, say=lambda text: None)
-    assert len(samples) == 2 and {sample.note for sample in samples} == {with_liggghts.MISSING}
+    assert len(samples) == 3 and {sample.note for sample in samples} == {with_liggghts.MISSING}
     page = write_page(collect(samples), samples, [], [with_liggghts.MISSING], tmp_path, True, 1.0, (0.1, 0.1),
         "a machine").read_text()
     assert "apt-get install liggghts" in page
-    assert [s.note for s in earlier(tmp_path / "bench.csv", ("flow",))] == [with_liggghts.MISSING] * 2
+    assert [s.note for s in earlier(tmp_path / "bench.csv", ("flow",))] == [with_liggghts.MISSING] * 3
     (tmp_path / "particles.csv").write_text(",".join(HEADER) + "\n")
     assert with_liggghts.main([str(tmp_path), "1e7", str(tmp_path / "out")]) == 3
     assert capsys.readouterr().err == f"error: {with_liggghts.MISSING}\n"
@@ -155,10 +155,11 @@ def test_a_run_is_judged_by_both_limits(late, tmp_path, monkeypatch):
     monkeypatch.setitem(discrete.LIMITS, "discharge", {"own": {discrete.OURS: 1.2, discrete.ELEMENTS: 1.3}, "common": 1.25})
     own, common = 1.2, 1.25
     monkeypatch.setattr(discrete, "by_suite", lambda problem, level, seed, *more: (late * own + 0.01 * (seed - 2), 2.0 * seed,
-        50.0))
+        50.0, 1.5 * seed))
     jobs = discrete.discrete_jobs(tmp_path, {"discharge": {discrete.OURS: [1]}}, 3, 9)
-    mine, both = run_rounds(jobs, 1, 9, say=lambda text: None)
+    mine, both, alone = run_rounds(jobs, 1, 9, say=lambda text: None)
     assert mine.error == pytest.approx(late - 1, abs=1e-12) and both.error == pytest.approx(abs(late * own / common - 1), abs=1e-12)
+    assert alone.cpu_s == 3 and alone.error == mine.error and alone.problem == "discharge, without the start"
     assert mine.cpu_s == both.cpu_s == 4 and mine.unknowns == 500 and both.problem == "discharge, common limit"
 
 
@@ -171,14 +172,15 @@ def test_the_cost_at_an_error_is_read_between_points():
 
 @pytest.mark.skipif(not with_liggghts.program(), reason="LIGGGHTS is not installed")
 def test_falling_disks_of_both_agree(tmp_path):
-    """The mean height at 8 s of both at their second coarsest levels, within 2 % of the common limit."""
+    """The mean height at 8 s of both at their second coarsest levels, within 2 % of the limits."""
     jobs = discrete.discrete_jobs(tmp_path, {"fall": {discrete.OURS: [1], discrete.ELEMENTS: [1]}}, 1, 120)
     samples = run_rounds(jobs, 1, 120, say=lambda text: None)
-    assert len(samples) == 4 and all(sample.error < 0.02 and sample.cpu_s > 0 for sample in samples), samples
+    assert len(samples) == 6 and all(sample.error < 0.02 and sample.cpu_s > 0 for sample in samples), samples
 
 
 def test_the_part_is_one_of_the_benchmark(tmp_path):
     for quick in (True, False):
         jobs = bench.jobs_of("discrete", set(), tmp_path, quick, 9)
-        assert {job.problem for job in jobs} == {"discharge", "fall", "fall, common limit"}
+        assert {job.problem for job in jobs} == {"discharge", "discharge, without the start", "fall",
+            "fall, common limit", "fall, without the start"}
         assert {job.program for job in jobs} == {"standard", "standard, loose", "LIGGGHTS"}

@@ -20,6 +20,8 @@ TITLES = {
     ("discrete", "discharge"): "500 disks leave an hourglass: time of half of them, against the common limit",
     ("discrete", "fall"): "50 falling disks: mean height at 8 s, against the limit of each series",
     ("discrete", "fall, common limit"): "50 falling disks, against the common limit",
+    ("discrete", "fall, without the start"): "50 falling disks, against the limit of each series, without the time of starts",
+    ("discrete", "discharge, without the start"): "500 disks leave an hourglass, without the time of starts",
     ("transport", "spheres"): "1,000 spheres in a cellular flow: mean distance from the exact paths",
     ("transport", "step"): "A step of carried spheres",
     ("contacts", "number"): "Contact projection against the number of disks",
