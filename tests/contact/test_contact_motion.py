@@ -82,8 +82,9 @@ def test_a_ball_off_a_ramp_converges_with_the_time_step(run_scene):
 
 
 def test_glancing_disks_keep_their_speed_along_each_other(run_scene):
-    """24 disks of radius 0.5 and speed 1 hit held ones at equal offsets, in thirds of a step, with moves of 0.2 radii. What is left of
-    the speed is the part along each other, the offset over the sum of the radii. Normals of the middle of the step keep 4 % too much."""
+    """24 disks of radius 0.5 and speed 1 hit held ones at equal offsets, in thirds of a step, with moves of 0.2 radii. What is left
+    of the speed is the part along each other, the offset over the sum of the radii. Normals of the middle of the step keep 4 % too
+    much."""
     offset, step = np.linspace(0.05, 0.95, 24), 0.1
     bodies = "".join(f"bodyHeld(bodyDisk(0, {10 * k}, 0.5, 1)); bodyAdd({-2 - step * (k % 3) / 3!r}, {10 * k + float(b)!r}, 0.5, 1, 1, 0, 0, 1);"
                      for k, b in enumerate(offset))

@@ -2,8 +2,8 @@
 
 Two scenes from the same start: the time in which half of 500 disks leave an hourglass, a mean over seeds, and the mean height of
 50 falling disks. A run is made once and judged by the limit of its own series (dt -> 0, or stiffness -> infinity), and by
-the common one where they differ. Numbers of the limits: docs/limits/contacts_alone.md. The times are those of the whole processes, and,
-in a problem of its own, those less the time of one step: FreeFEM starts and compiles for longer than LIGGGHTS computes a fall. Both
+the common one where they differ. Numbers of the limits: docs/limits/contacts_alone.md. The times are those of the whole processes,
+and, in a problem of its own, those less the time of one step: FreeFEM starts and compiles for longer than LIGGGHTS computes a fall. Both
 write a row every 0.02 s (fall: 0.1 s).
 """
 import functools
@@ -127,6 +127,6 @@ def discrete_jobs(out, levels, seeds, limit):
                 if len({LIMITS[problem]["common"], *LIMITS[problem]["own"].values()}) > 1:
                     jobs.append(Job("discrete", f"{problem}, common limit", program, level, functools.partial(judged, problem,
                         program, level, "common", kept)))
-                jobs.append(Job("discrete", f"{problem}, without the start", program, level, functools.partial(judged, problem, program,
-                    level, "steps", kept)))
+                jobs.append(Job("discrete", f"{problem}, without the start", program, level, functools.partial(judged, problem,
+                    program, level, "steps", kept)))
     return jobs
