@@ -31,7 +31,7 @@ def pytest_collection_modifyitems(items):
 def standard_alone(text):
     """A resolved case's text with the standard scheme's part of the driver only: what a test asks of that scheme the published one
     does not have."""
-    driver = (ROOT / "scripts/resolved.edp").read_text().split('if (scheme == "published") {')[0]
+    driver = (ROOT / "scripts/resolved.edp").read_text().split('if (scheme == "published" || ')[0]
     return text.replace('include "scripts/resolved.edp"', driver)
 
 
