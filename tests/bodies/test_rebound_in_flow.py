@@ -1,4 +1,5 @@
-"""Disks that rebound in a fluid, a thousand times as heavy as it and of little viscosity: Newton's law within what the fluid takes."""
+"""Disks that rebound in a fluid, a thousand times as heavy as it and of little viscosity: Newton's law within what the fluid takes.
+"""
 import numpy as np
 import pytest
 
@@ -94,6 +95,6 @@ def test_a_run_that_rebounds_continues_bit_for_bit(long_box, tmp_path):  # noqa:
     pytest.param("{ bodyDisk(1.5, 0.4, 0.1, 2); wallBouncy(77, 0.5); }", [], "no wall with this label", marks=pytest.mark.slow),
 ])
 def test_what_is_refused(code, words, says, long_box, freefem_text, tmp_path):  # noqa: F811
-    done = freefem_text(HEAVY.replace("CODE", code), "-mesh", long_box, "-tilt", 0, "-dt", 0.01, "-tend", 0.01, "-out", tmp_path / "run",
-        *words, check=False)
+    done = freefem_text(HEAVY.replace("CODE", code), "-mesh", long_box, "-tilt", 0, "-dt", 0.01, "-tend", 0.01, "-out",
+        tmp_path / "run", *words, check=False)
     assert_refused(done, [3], says)
