@@ -3,17 +3,33 @@
 import numpy as np
 import pytest
 
-from tests.bodies.test_friction_in_flow import HEAVY, long_box  # noqa: F401
+from tests.conftest import make_mesh
 from tests.tables import assert_refused, broken_off, numbers
 from tools.base.run_folder import RunFolder
 
 STEP = 0.005
+HEAVY = """
+include "lib/case.idp"
+optCase("rebound", "heavy disks in a box");
+real gravity = optNonNegative("-gravity", 9.81, "m/s2", "gravity");
+real rhoFluid = 1, mu = 0.001, gravityX = 0, gravityY = -gravity;
+int[int] flowNoSlip = [labelLeft, labelRight, labelBottom, labelTop], flowMoving(0), flowOutlet(0), flowSlip(0);
+real flowPeriodX = 0, flowPeriodY = 0, motionBound = 1e30;
+func real boundaryRamp(real t) { return 1; }
+macro caseParticles() CODE // EOM
+include "scripts/resolved.edp"
+"""
+
+
+@pytest.fixture(scope="module")
+def long_box(tmp_path_factory):
+    return make_mesh(tmp_path_factory.mktemp("mesh") / "box.mesh", "box", "--width", 3, "--height", 0.8, "--size", 0.05, "--sides",
+        "named")
 
 
 def run_of(freefem_text, box, folder, code, *words):
-    text = HEAVY.replace("CODE", "{" + code + "}").replace("9.81", "gravity").replace("real rhoFluid", """
-        real gravity = optNonNegative("-gravity", 9.81, "m/s2", "gravity"); real rhoFluid""")
-    freefem_text(text, "-mesh", box, "-tilt", 0, "-dt", STEP, "-every", 0, "-stabilise", 0, "-budget", 1, "-out", folder, *words)
+    text = HEAVY.replace("CODE", "{" + code + "}")
+    freefem_text(text, "-mesh", box, "-dt", STEP, "-every", 0, "-stabilise", 0, "-budget", 1, "-out", folder, *words)
     return RunFolder(folder)
 
 
@@ -26,7 +42,7 @@ def energy_told(run, share):
 
 
 @pytest.mark.parametrize("e", [0.8, 1])
-def test_a_disk_that_falls_rebounds_with_its_part_of_the_speed(e, long_box, freefem_text, tmp_path):  # noqa: F811
+def test_a_disk_that_falls_rebounds_with_its_part_of_the_speed(e, long_box, freefem_text, tmp_path):
     run = run_of(freefem_text, long_box, tmp_path / "run", "bodyDisk(1.5, 0.35, 0.1, 1000);", "-restitution", e, "-tend", 0.26)
     v, y, contacts = run.particles["v"], run.particles["y"], run.table("contacts")
     hit = int(np.argmax(np.diff(v)))
@@ -40,7 +56,7 @@ def test_a_disk_that_falls_rebounds_with_its_part_of_the_speed(e, long_box, free
     assert abs(off).max() < 2e-3 * contacts["impulse"][0]
 
 
-def test_disks_that_meet_keep_their_momentum_and_part(long_box, freefem_text, tmp_path):  # noqa: F811
+def test_disks_that_meet_keep_their_momentum_and_part(long_box, freefem_text, tmp_path):
     run = run_of(freefem_text, long_box, tmp_path / "run", "bodyAdd(1.2, 0.4, 0.1, 1000, 1, 0, 0, 1); "
         "bodyBouncy(bodyAdd(1.6, 0.4, 0.1, 500, -1, 0, 0, 1), 0.6);", "-restitution", 0.9, "-gravity", 0, "-tend", 0.13)
     one, two = (run.tracks[k]["u"] for k in (0, 1))
@@ -55,14 +71,14 @@ CHAIN = ("bodyBouncy(bodyAdd(1.0, 0.4, 0.1, 1000, 2, 0, 0, 1), 1); bodyBouncy(bo
 
 
 @pytest.mark.parametrize("friction", [0, pytest.param(0.5, marks=pytest.mark.slow)])
-def test_a_chain_with_several_coefficients_gains_no_energy(friction, long_box, freefem_text, tmp_path):  # noqa: F811
+def test_a_chain_with_several_coefficients_gains_no_energy(friction, long_box, freefem_text, tmp_path):
     """Newton's law at several contacts at once can add energy: here a fifth of what there is, if nothing prevents it."""
     run = run_of(freefem_text, long_box, tmp_path / "run", CHAIN, "-gravity", 0, "-friction", friction, "-tend", 0.05)
     assert len(run.table("contacts")["t"]) > 1 and run.fluid["worst_gap"].min() > -1e-9
     energy_told(run, 1e-3)
 
 
-def test_a_disk_comes_to_rest_and_a_wall_without_restitution_stops_it(long_box, freefem_text, tmp_path):  # noqa: F811
+def test_a_disk_comes_to_rest_and_a_wall_without_restitution_stops_it(long_box, freefem_text, tmp_path):
     """Contacts slower than twice what gravity adds in a step do not rebound. The wall: byte for byte what a scene without has."""
     disk = "bodyDisk(1.5, 0.14, 0.1, 1000);"
     run = run_of(freefem_text, long_box, tmp_path / "run", disk, "-restitution", 0.5, "-tend", 0.5)
@@ -75,12 +91,12 @@ def test_a_disk_comes_to_rest_and_a_wall_without_restitution_stops_it(long_box, 
 
 
 @pytest.mark.slow
-def test_a_run_that_rebounds_continues_bit_for_bit(long_box, tmp_path):  # noqa: F811
+def test_a_run_that_rebounds_continues_bit_for_bit(long_box, tmp_path):
     """The checkpoint is of the step before the collision, and of that behind it."""
     code = "{ bodyBouncy(bodyAdd(1.5, 0.15, 0.1, 1000, 0.3, -1, 0, 1), 0.7); wallBouncy(labelBottom, 0.9); }"
     (tmp_path / "scene.edp").write_text(HEAVY.replace("CODE", code))
     for steps in (7, 8):
-        words = [tmp_path / "scene.edp", "-mesh", long_box, "-tilt", "0", "-dt", "0.005", "-every", "0", "-budget", "1", "-tend",
+        words = [tmp_path / "scene.edp", "-mesh", long_box, "-dt", "0.005", "-every", "0", "-budget", "1", "-tend",
             "0.07", "-friction", "0.3", "-cfl", "0", "-checkpoint", str(steps)]
         whole, broken = broken_off(words, tmp_path / str(steps), steps)
         table = numbers(whole, "particles.csv")
@@ -94,7 +110,7 @@ def test_a_run_that_rebounds_continues_bit_for_bit(long_box, tmp_path):  # noqa:
     ("bodyDisk(1.5, 0.4, 0.1, 2);", ["-restitution", 0.5, "-scheme", "published"], "restitution in a flow is for -scheme standard"),
     pytest.param("{ bodyDisk(1.5, 0.4, 0.1, 2); wallBouncy(77, 0.5); }", [], "no wall with this label", marks=pytest.mark.slow),
 ])
-def test_what_is_refused(code, words, says, long_box, freefem_text, tmp_path):  # noqa: F811
-    done = freefem_text(HEAVY.replace("CODE", code), "-mesh", long_box, "-tilt", 0, "-dt", 0.01, "-tend", 0.01, "-out",
+def test_what_is_refused(code, words, says, long_box, freefem_text, tmp_path):
+    done = freefem_text(HEAVY.replace("CODE", code), "-mesh", long_box, "-dt", 0.01, "-tend", 0.01, "-out",
         tmp_path / "run", *words, check=False)
     assert_refused(done, [3], says)
