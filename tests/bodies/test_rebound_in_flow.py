@@ -1,0 +1,116 @@
+"""Disks that rebound in a fluid, a thousand times as heavy as it and of little viscosity: Newton's law within what the fluid takes.
+"""
+import numpy as np
+import pytest
+
+from tests.conftest import make_mesh
+from tests.tables import assert_refused, broken_off, numbers
+from tools.base.run_folder import RunFolder
+
+STEP = 0.005
+HEAVY = """
+include "lib/case.idp"
+optCase("rebound", "heavy disks in a box");
+real gravity = optNonNegative("-gravity", 9.81, "m/s2", "gravity");
+real rhoFluid = 1, mu = 0.001, gravityX = 0, gravityY = -gravity;
+int[int] flowNoSlip = [labelLeft, labelRight, labelBottom, labelTop], flowMoving(0), flowOutlet(0), flowSlip(0);
+real flowPeriodX = 0, flowPeriodY = 0, motionBound = 1e30;
+func real boundaryRamp(real t) { return 1; }
+macro caseParticles() CODE // EOM
+include "scripts/resolved.edp"
+"""
+
+
+@pytest.fixture(scope="module")
+def long_box(tmp_path_factory):
+    return make_mesh(tmp_path_factory.mktemp("mesh") / "box.mesh", "box", "--width", 3, "--height", 0.8, "--size", 0.05, "--sides",
+        "named")
+
+
+def run_of(freefem_text, box, folder, code, *words):
+    text = HEAVY.replace("CODE", "{" + code + "}")
+    freefem_text(text, "-mesh", box, "-dt", STEP, "-every", 0, "-stabilise", 0, "-budget", 1, "-out", folder, *words)
+    return RunFolder(folder)
+
+
+def energy_told(run, share):
+    """Kinetic and dissipated energy less the work of the weights never exceeds what was there, by this share of its maximum."""
+    budget = run.table("budget")
+    whole = budget["kinetic_energy"] + budget["dissipated"] - budget["work"]
+    assert np.diff(whole).max() < share * budget["kinetic_energy"].max()
+    assert whole.max() < whole[0] + share * budget["kinetic_energy"].max()
+
+
+@pytest.mark.parametrize("e", [0.8, 1])
+def test_a_disk_that_falls_rebounds_with_its_part_of_the_speed(e, long_box, freefem_text, tmp_path):
+    run = run_of(freefem_text, long_box, tmp_path / "run", "bodyDisk(1.5, 0.35, 0.1, 1000);", "-restitution", e, "-tend", 0.26)
+    v, y, contacts = run.particles["v"], run.particles["y"], run.table("contacts")
+    hit = int(np.argmax(np.diff(v)))
+    before = 2 * v[hit] - v[hit - 1]
+    assert len(contacts["t"]) == 1 and y.min() > 0.1 - 1e-9
+    assert v[hit + 1] == pytest.approx(-e * before, rel=0.01)
+    assert contacts["impulse"][0] == pytest.approx(-1000 * np.pi * 0.1**2 * (1 + e) * before, rel=0.01)
+    energy_told(run, 1e-3)
+    budget = run.table("budget")
+    off = budget["momentum_y"] - budget["walls_y"] - budget["weight_y"]
+    assert abs(off).max() < 2e-3 * contacts["impulse"][0]
+
+
+def test_disks_that_meet_keep_their_momentum_and_part(long_box, freefem_text, tmp_path):
+    run = run_of(freefem_text, long_box, tmp_path / "run", "bodyAdd(1.2, 0.4, 0.1, 1000, 1, 0, 0, 1); "
+        "bodyBouncy(bodyAdd(1.6, 0.4, 0.1, 500, -1, 0, 0, 1), 0.6);", "-restitution", 0.9, "-gravity", 0, "-tend", 0.13)
+    one, two = (run.tracks[k]["u"] for k in (0, 1))
+    hit = int(np.argmin(np.diff(one)))
+    assert two[hit + 1] - one[hit + 1] == pytest.approx(0.6 * (one[hit] - two[hit]), rel=0.01)  # the lesser coefficient
+    assert 2 * one[hit + 1] + two[hit + 1] == pytest.approx(2 * one[hit] + two[hit], rel=0.005)
+    energy_told(run, 1e-3)
+
+
+CHAIN = ("bodyBouncy(bodyAdd(1.0, 0.4, 0.1, 1000, 2, 0, 0, 1), 1); bodyBouncy(bodyAdd(1.21, 0.4, 0.1, 50, 1.99, 0, 0, 1), 1); "
+    "bodyBouncy(bodyAdd(1.42, 0.41, 0.1, 1000, -2, 0, 0, 1), 0.1);")
+
+
+@pytest.mark.parametrize("friction", [0, pytest.param(0.5, marks=pytest.mark.slow)])
+def test_a_chain_with_several_coefficients_gains_no_energy(friction, long_box, freefem_text, tmp_path):
+    """Newton's law at several contacts at once can add energy: here a fifth of what there is, if nothing prevents it."""
+    run = run_of(freefem_text, long_box, tmp_path / "run", CHAIN, "-gravity", 0, "-friction", friction, "-tend", 0.05)
+    assert len(run.table("contacts")["t"]) > 1 and run.fluid["worst_gap"].min() > -1e-9
+    energy_told(run, 1e-3)
+
+
+def test_a_disk_comes_to_rest_and_a_wall_without_restitution_stops_it(long_box, freefem_text, tmp_path):
+    """Contacts slower than twice what gravity adds in a step do not rebound. The wall: byte for byte what a scene without has."""
+    disk = "bodyDisk(1.5, 0.14, 0.1, 1000);"
+    run = run_of(freefem_text, long_box, tmp_path / "run", disk, "-restitution", 0.5, "-tend", 0.5)
+    v, y = run.particles["v"], run.particles["y"]
+    assert v.max() == pytest.approx(0.5 * -v.min(), rel=0.1)
+    assert abs(v[-20:]).max() < 1e-3 and abs(y[-20:] - 0.1).max() < 1e-6
+    text = [run_of(freefem_text, long_box, tmp_path / f"stop{k}", disk, "-tend", 0.12, *words).folder / "particles.csv"
+        for k, words in enumerate(([], ["-restitution", 0.5, "-restitution-wall", 0]))]
+    assert text[0].read_bytes() == text[1].read_bytes()
+
+
+@pytest.mark.slow
+def test_a_run_that_rebounds_continues_bit_for_bit(long_box, tmp_path):
+    """The checkpoint is of the step before the collision, and of that behind it."""
+    code = "{ bodyBouncy(bodyAdd(1.5, 0.15, 0.1, 1000, 0.3, -1, 0, 1), 0.7); wallBouncy(labelBottom, 0.9); }"
+    (tmp_path / "scene.edp").write_text(HEAVY.replace("CODE", code))
+    for steps in (7, 8):
+        words = [tmp_path / "scene.edp", "-mesh", long_box, "-dt", "0.005", "-every", "0", "-budget", "1", "-tend",
+            "0.07", "-friction", "0.3", "-cfl", "0", "-checkpoint", str(steps)]
+        whole, broken = broken_off(words, tmp_path / str(steps), steps)
+        table = numbers(whole, "particles.csv")
+        assert table["t"][np.argmax(np.diff(table["v"])) + 1] == pytest.approx(0.04) and table["v"].max() > 0.6
+        for name in ("particles.csv", "contacts.csv", "budget.csv"):
+            assert (broken / name).read_bytes() == (whole / name).read_bytes(), name
+
+
+@pytest.mark.parametrize("code, words, says", [
+    ("bodyEllipse(1.5, 0.4, 0.1, 0.06, 0, 2);", ["-restitution", 0.5], "ellipses in a flow do not take restitution"),
+    ("bodyDisk(1.5, 0.4, 0.1, 2);", ["-restitution", 0.5, "-scheme", "published"], "restitution in a flow is for -scheme standard"),
+    pytest.param("{ bodyDisk(1.5, 0.4, 0.1, 2); wallBouncy(77, 0.5); }", [], "no wall with this label", marks=pytest.mark.slow),
+])
+def test_what_is_refused(code, words, says, long_box, freefem_text, tmp_path):
+    done = freefem_text(HEAVY.replace("CODE", code), "-mesh", long_box, "-dt", 0.01, "-tend", 0.01, "-out",
+        tmp_path / "run", *words, check=False)
+    assert_refused(done, [3], says)
