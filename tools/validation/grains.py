@@ -119,18 +119,26 @@ def heap(context):
         before = mean
 
 
-def runout(run, release=0.4):
-    """(aspect ratio at the release, run-out over the half width) of a collapse: of the disks that hang together at the end."""
-    rows, end = run.folder.columns("particles"), last(run)
-    x, y, r = end["x"], end["y"], end["radius"]
+def extent(x, y, r):
+    """Width of the disks that hang together, the largest group with gaps below 0.05 mean radii, m; x, y, r (N)."""
     near = np.hypot(x[:, None] - x, y[:, None] - y) - r[:, None] - r < 0.05 * r.mean()
     part = connected_components(near)[1]
     main = part == np.bincount(part).argmax()
+    return (x + r)[main].max() - (x - r)[main].min()
+
+
+def column(x, y, r):
+    """(half width, height) of a column, m."""
+    half = ((x + r).max() - (x - r).min()) / 2
+    return half, np.sort(y + r)[-max(2, int(half / r.mean()) // 2):].mean()
+
+
+def runout(run, release=0.4):
+    """(aspect ratio at the release, run-out over the half width) of a collapse: of the disks that hang together at the end."""
+    rows, end = run.folder.columns("particles"), last(run)
     start = np.isclose(rows["t"], release)
-    x0, y0, r0 = (rows[name][start] for name in ("x", "y", "radius"))
-    half = ((x0 + r0).max() - (x0 - r0).min()) / 2
-    top = np.sort(y0 + r0)[-max(2, int(half / r0.mean()) // 2):].mean()
-    return top / half, ((x + r)[main].max() - (x - r)[main].min()) / 2 / half - 1
+    half, top = column(*(rows[name][start] for name in ("x", "y", "radius")))
+    return top / half, extent(end["x"], end["y"], end["radius"]) / 2 / half - 1
 
 
 def granular_collapse(context):
