@@ -3,19 +3,34 @@
     FreeFem++ -nw cases/granular_collapse.edp -number 160 -tend 1.2 -out RUN
     python -m tools.peers.collapse RUN 1e7 OUT          1e7: Young's modulus, Pa; OUT: a folder
 
-Prints the run-out over the half width by both programs, of the disks that hang together and of 95 % of all disks, and the CPU time of LIGGGHTS.
+Prints the run-out over the half width by both programs, of the disks that hang together and of 95 % of all disks, and the
+CPU time of LIGGGHTS.
 """
 import sys
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from tools.base.command import BadInput, guarded
 from tools.base.run_folder import RunFolder
 from tools.peers import with_liggghts
-from tools.validation.grains import column, extent
 
 ROWS = 5
 HEAD = "time (s)   hang together: suite, LIGGGHTS   95 % of all: suite, LIGGGHTS"
+
+
+def extent(x, y, r):
+    """Width of the disks that hang together, the largest group with gaps below 0.05 mean radii, m; x, y, r (N)."""
+    near = np.hypot(x[:, None] - x, y[:, None] - y) - r[:, None] - r < 0.05 * r.mean()
+    part = connected_components(near)[1]
+    main = part == np.bincount(part).argmax()
+    return (x + r)[main].max() - (x - r)[main].min()
+
+
+def column(x, y, r):
+    """(half width, height) of a column, m."""
+    half = ((x + r).max() - (x - r).min()) / 2
+    return half, np.sort(y + r)[-max(2, int(half / r.mean()) // 2):].mean()
 
 
 def run_outs(x, y, radius, half):
@@ -30,7 +45,8 @@ def compare(run, young, folder):
         raise BadInput(f"{run} is no collapse, or it ends before the release")
     (x, y), radius, _ = with_liggghts.start(run, release, [0])
     half, top = column(x, y, radius)
-    times, places, _, done = with_liggghts.compute(run, young, folder, (ending - release) / ROWS, ending - release, at=release, kept=[0])
+    times, places, _, done = with_liggghts.compute(run, young, folder, (ending - release) / ROWS, ending - release, at=release,
+        kept=[0])
     table = RunFolder(run).particles
     rows = []
     for time, centres in zip(times[1:], places[1:]):

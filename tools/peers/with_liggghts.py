@@ -39,8 +39,8 @@ def collision(young, radius, mass):
 
 
 def start(run, at=None, kept=None):
-    """(centres 2 x N in m, radii in m, walls M x 4 in m) of a row of a run of the suite: the first one, or the one closest to the time at.
-    kept: the numbers of the walls (default: all)."""
+    """(centres 2 x N in m, radii in m, walls M x 4 in m) of a row of a run of the suite: the first one, or the one closest to the
+    time at. kept: the numbers of the walls (default: all)."""
     table = RunFolder(run).particles
     time = table["t"].min() if at is None else table["t"][np.abs(table["t"] - at).argmin()]
     first = table["t"] == time
@@ -81,7 +81,8 @@ def script_text(young, step, steps, every, gravity, mean, friction=0.0):
         "soft_particles yes", "hard_particles yes", "communicate single vel yes", "read_data data", f"neighbor {SKIN * mean:.9g} bin", "neigh_modify delay 0",
         f"fix m1 all {both} youngsModulus peratomtype {young:.9g}", f"fix m2 all {both} poissonsRatio peratomtype {POISSON}",
         f"fix m3 all {both} coefficientRestitution peratomtypepair 1 {RESTITUTION}",
-        f"fix m4 all {both} coefficientFriction peratomtypepair 1 {friction:.9g}", f"fix m5 all {both} characteristicVelocity scalar {VELOCITY}",
+        f"fix m4 all {both} coefficientFriction peratomtypepair 1 {friction:.9g}",
+        f"fix m5 all {both} characteristicVelocity scalar {VELOCITY}",
         "pair_style gran model hooke tangential history", "pair_coeff * *", f"timestep {step:.12g}",
         "fix wall all mesh/surface file walls.stl type 1 curvature 1e-5",
         "fix walls all wall/gran model hooke tangential history mesh n_meshes 1 meshes wall",
@@ -106,7 +107,8 @@ def read_dump(path, step):
 
 
 def compute(run, young, folder, every=0.02, end=None, limit=None, steps=STEPS, at=None, kept=None):
-    """(times, centres T x N x 2, masses N, Done) of LIGGGHTS from the first row of a run, or from rest at the time at with the walls kept.
+    """(times, centres T x N x 2, masses N, Done) of LIGGGHTS from the first row of a run, or from rest at the time at with
+    the walls kept.
     young in Pa; every: s between rows;
     end: end time in s (default: that of the run); limit: most seconds; steps of a collision. Raises BadInput with the reason where it does not run."""
     if not program():

@@ -1,6 +1,7 @@
 """Disks with friction, contacts alone: inclines, a thrown disk, a pyramid, a silo, heaps, collapses."""
 import numpy as np
-from scipy.sparse.csgraph import connected_components
+
+from tools.peers.collapse import column, extent
 
 G, R = 9.81, 0.01
 SCENE = """
@@ -117,20 +118,6 @@ def heap(context):
             yield context.row(f"angle of repose at a coefficient of {mu} (degrees), above that of the last one",
                 "it rises with friction", before, mean, at_least=before, cpu_s=spent)
         before = mean
-
-
-def extent(x, y, r):
-    """Width of the disks that hang together, the largest group with gaps below 0.05 mean radii, m; x, y, r (N)."""
-    near = np.hypot(x[:, None] - x, y[:, None] - y) - r[:, None] - r < 0.05 * r.mean()
-    part = connected_components(near)[1]
-    main = part == np.bincount(part).argmax()
-    return (x + r)[main].max() - (x - r)[main].min()
-
-
-def column(x, y, r):
-    """(half width, height) of a column, m."""
-    half = ((x + r).max() - (x - r).min()) / 2
-    return half, np.sort(y + r)[-max(2, int(half / r.mean()) // 2):].mean()
 
 
 def runout(run, release=0.4):
