@@ -184,3 +184,16 @@ def test_the_part_is_one_of_the_benchmark(tmp_path):
         assert {job.problem for job in jobs} == {"discharge", "discharge, without the start", "fall",
             "fall, common limit", "fall, without the start"}
         assert {job.program for job in jobs} == {"standard", "standard, loose", "LIGGGHTS"}
+
+
+def test_elements_start_from_any_row_and_from_some_walls(tmp_path):
+    run = tmp_path / "run"
+    run.mkdir()
+    (run / "run.json").write_text("{}")
+    (run / "particles.csv").write_text("t,id,x,y,theta,u,v,omega,radius\n0,0,0,1,0,0,0,0,0.1\n0,1,1,1,0,0,0,0,0.2\n"
+        "0.5,0,0,0.5,0,0,0,0,0.1\n0.5,1,1,0.6,0,0,0,0,0.2\n")
+    (run / "walls.csv").write_text("x1,y1,x2,y2,friction\n0,0,1,0,0\n5,0,6,0,0\n")
+    centres, radius, walls = with_liggghts.start(run, at=0.45, kept=[1])
+    assert centres.tolist() == [[0, 1], [0.5, 0.6]] and radius.tolist() == [0.1, 0.2] and walls.tolist() == [[5, 0, 6, 0]]
+    assert with_liggghts.start(run)[0][1].tolist() == [1, 1] and len(with_liggghts.start(run)[2]) == 2
+    assert "coefficientFriction peratomtypepair 1 0.5" in with_liggghts.script_text(1e7, 1e-5, 10, 5, 9.81, 0.01, 0.5)

@@ -3,7 +3,8 @@
     python -m tools.peers.with_liggghts RUN YOUNG OUT        RUN: a run of contacts alone; writes OUT/positions.csv (t,id,x,y)
 
 Disks become spheres of the disks' masses that are kept in the plane (their velocity out of it is set to 0); walls become
-triangles. Contacts are springs with dashpots (model hooke) without friction, with a restitution of 0.06, the least that the model
+triangles. Contacts are springs with dashpots (model hooke) with the friction of the run, if it has one (-friction; the same for disks
+and walls; the spheres have 2/5 m r^2 instead of 1/2 m r^2), with a restitution of 0.06, the least that the model
 handles well: in the limit of stiff springs these are the inelastic contacts of the suite. YOUNG is the modulus of the series that
 leads to it, Pa. A step is 1/STEPS of the time in which two of the lightest disks collide. The gravity and the end time are those of RUN.
 LIGGGHTS is a package of Debian (apt-get install liggghts); nothing but the benchmark needs it.
@@ -37,13 +38,15 @@ def collision(young, radius, mass):
     return stiffness, np.pi * np.sqrt(half / stiffness)
 
 
-def start(run):
-    """(centres 2 x N in m, radii in m, walls M x 4 in m) of the first row of a run of the suite."""
+def start(run, at=None, kept=None):
+    """(centres 2 x N in m, radii in m, walls M x 4 in m) of a row of a run of the suite: the first one, or the one closest to the
+    time at. kept: the numbers of the walls (default: all)."""
     table = RunFolder(run).particles
-    first = table["t"] == table["t"].min()
+    time = table["t"].min() if at is None else table["t"][np.abs(table["t"] - at).argmin()]
+    first = table["t"] == time
     walls = read_table(Path(run) / "walls.csv")
-    return (np.array([table["x"][first], table["y"][first]]), table["radius"][first],
-            np.column_stack([walls[name] for name in ("x1", "y1", "x2", "y2")]))
+    walls = np.column_stack([walls[name] for name in ("x1", "y1", "x2", "y2")])
+    return np.array([table["x"][first], table["y"][first]]), table["radius"][first], walls if kept is None else walls[kept]
 
 
 def data_text(centres, radius, masses, walls):
@@ -70,7 +73,7 @@ def walls_text(walls, height):
     return "\n".join([*lines, "endsolid walls"]) + "\n"
 
 
-def script_text(young, step, steps, every, gravity, mean):
+def script_text(young, step, steps, every, gravity, mean, friction=0.0):
     """The commands. step in s; every: steps between rows; gravity downwards in m/s2; mean: mean radius in m."""
     both = "property/global"
     return "\n".join([
@@ -78,7 +81,8 @@ def script_text(young, step, steps, every, gravity, mean):
         "soft_particles yes", "hard_particles yes", "communicate single vel yes", "read_data data", f"neighbor {SKIN * mean:.9g} bin", "neigh_modify delay 0",
         f"fix m1 all {both} youngsModulus peratomtype {young:.9g}", f"fix m2 all {both} poissonsRatio peratomtype {POISSON}",
         f"fix m3 all {both} coefficientRestitution peratomtypepair 1 {RESTITUTION}",
-        f"fix m4 all {both} coefficientFriction peratomtypepair 1 0.0", f"fix m5 all {both} characteristicVelocity scalar {VELOCITY}",
+        f"fix m4 all {both} coefficientFriction peratomtypepair 1 {friction:.9g}",
+        f"fix m5 all {both} characteristicVelocity scalar {VELOCITY}",
         "pair_style gran model hooke tangential history", "pair_coeff * *", f"timestep {step:.12g}",
         "fix wall all mesh/surface file walls.stl type 1 curvature 1e-5",
         "fix walls all wall/gran model hooke tangential history mesh n_meshes 1 meshes wall",
@@ -102,12 +106,14 @@ def read_dump(path, step):
     return np.array(times), rows[0, :, 0], rows[:, :, 1:]
 
 
-def compute(run, young, folder, every=0.02, end=None, limit=None, steps=STEPS):
-    """(times, centres T x N x 2, masses N, Done) of LIGGGHTS from the first row of a run. young in Pa; every: s between rows;
+def compute(run, young, folder, every=0.02, end=None, limit=None, steps=STEPS, at=None, kept=None):
+    """(times, centres T x N x 2, masses N, Done) of LIGGGHTS from the first row of a run, or from rest at the time at with
+    the walls kept.
+    young in Pa; every: s between rows;
     end: end time in s (default: that of the run); limit: most seconds; steps of a collision. Raises BadInput with the reason where it does not run."""
     if not program():
         raise BadInput(MISSING)
-    centres, radius, walls = start(run)
+    centres, radius, walls = start(run, at, kept)
     density, gravity, ending = (RunFolder(run).parameter(name, np.nan) for name in ("-density", "-gravity", "-tend"))
     end = end or ending
     if not np.isfinite(density + gravity + end) or young <= 0:
@@ -120,7 +126,8 @@ def compute(run, young, folder, every=0.02, end=None, limit=None, steps=STEPS):
     folder.mkdir(parents=True)
     (folder / "data").write_text(data_text(centres, radius, masses, walls))
     (folder / "walls.stl").write_text(walls_text(walls, 3 * radius.max()))
-    (folder / "in").write_text(script_text(young, step, int(np.ceil(end / step)), every, gravity, radius.mean()))
+    (folder / "in").write_text(script_text(young, step, int(np.ceil(end / step)), every, gravity, radius.mean(),
+        RunFolder(run).parameter("-friction", 0.0)))
     done = finished(run_command([program(), "-in", "in"], limit, folder))
     times, _, places = read_dump(folder / "dump", step)
     if len(places[0]) != len(radius):

@@ -1,6 +1,7 @@
 """Disks with friction, contacts alone: inclines, a thrown disk, a pyramid, a silo, heaps, collapses."""
 import numpy as np
-from scipy.sparse.csgraph import connected_components
+
+from tools.peers.collapse import column, extent
 
 G, R = 9.81, 0.01
 SCENE = """
@@ -122,15 +123,9 @@ def heap(context):
 def runout(run, release=0.4):
     """(aspect ratio at the release, run-out over the half width) of a collapse: of the disks that hang together at the end."""
     rows, end = run.folder.columns("particles"), last(run)
-    x, y, r = end["x"], end["y"], end["radius"]
-    near = np.hypot(x[:, None] - x, y[:, None] - y) - r[:, None] - r < 0.05 * r.mean()
-    part = connected_components(near)[1]
-    main = part == np.bincount(part).argmax()
     start = np.isclose(rows["t"], release)
-    x0, y0, r0 = (rows[name][start] for name in ("x", "y", "radius"))
-    half = ((x0 + r0).max() - (x0 - r0).min()) / 2
-    top = np.sort(y0 + r0)[-max(2, int(half / r0.mean()) // 2):].mean()
-    return top / half, ((x + r)[main].max() - (x - r)[main].min()) / 2 / half - 1
+    half, top = column(*(rows[name][start] for name in ("x", "y", "radius")))
+    return top / half, extent(end["x"], end["y"], end["radius"]) / 2 / half - 1
 
 
 def granular_collapse(context):
