@@ -26,9 +26,9 @@ from tools.docs.headers import blocks, prose
 
 LIST, GALLERY = "tests/cases.py", "docs/gallery/cases.csv"
 ROOMS = {"resolved.edp": "bodies", "spheres.edp": "spheres", "flow.edp": "flow", "steady.edp": "steady", "steady_laminar.edp": "steady",
-    "transport.edp": "transport", "contacts.edp": "contact"}
+    "transport.edp": "transport", "contacts.edp": "contact", "contact_spheres.edp": "spheres"}
 DRAWN = {"resolved.edp": "plot", "spheres.edp": "plot", "flow.edp": "plot", "steady.edp": "plot_steady", "steady_laminar.edp": "plot_steady",
-    "transport.edp": "plot_transport", "contacts.edp": "plot_contacts"}
+    "transport.edp": "plot_transport", "contacts.edp": "plot_contacts", "contact_spheres.edp": "plot_contacts"}
 
 # What a test judges of a run of a few steps: {tables} stands for what the driver writes.
 JUDGED = '''    assert run.status == "finished" and run.case == "{name}"
@@ -169,7 +169,7 @@ def judged(name, like):
         return RESULTS.format(name=name), "import math\n\n"
     tables = {"flow.edp": '("fluid",)', "resolved.edp": '("particles", "fluid")',
         "spheres.edp": '("particles", "fluid")', "transport.edp": '("particles", "steps")',
-        "contacts.edp": '("particles", "motion")'}[driver]
+        "contacts.edp": '("particles", "motion")', "contact_spheres.edp": '("particles", "motion")'}[driver]
     return JUDGED.format(name=name, tables=tables, first="t") + (INSIDE if driver == "resolved.edp" else ""), ""
 
 

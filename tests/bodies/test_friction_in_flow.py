@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from tests.contact.test_friction_ellipses import leaning
+from tests.friction import leaning
 from tests.tables import assert_refused, momentum_told
 from tools.base.run_folder import RunFolder
 

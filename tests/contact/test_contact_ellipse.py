@@ -247,18 +247,6 @@ def test_ellipses_that_overlap_are_refused_with_a_list_or_pushed_apart(freefem_t
     freefem_text(flat, *FLOOR, "-tend", 0.005, "-out", tmp_path / "flat")
 
 
-def test_contacts_alone_refuse_ellipses(freefem_text, tmp_path):
-    scene_alone = """include "lib/case.idp"
-optCase("alone", "an ellipse without a fluid");
-real gravityX = 0, gravityY = -1;
-macro caseWalls() // EOM
-macro caseParticles() bodyEllipse(0., 0., 0.2, 0.1, 0, 1.); // EOM
-include "scripts/contacts.edp"
-"""
-    done = freefem_text(scene_alone, "-out", tmp_path / "run", check=False)
-    assert done.returncode == 3 and "ellipses need a fluid" in done.stderr and not (tmp_path / "run").exists()
-
-
 @pytest.mark.parametrize("seed, which, wall", [(1, 7, 2), (7, 3, 3), (7, 3, 5)])
 def test_the_gap_to_a_wall_whose_end_has_pierced_an_ellipse(freefem_text, seed, which, wall):
     """The end that was looked at was the other one: -0.44 in place of -0.096."""

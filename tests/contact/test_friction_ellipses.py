@@ -4,7 +4,7 @@ import filecmp
 import numpy as np
 import pytest
 
-from tests.contact.test_friction_scenes import G, R, SCENE, last, plane
+from tests.friction import G, R, SCENE, last, leaning, plane
 from tests.tables import assert_refused
 from tools.base.tables import read_table
 
@@ -27,15 +27,6 @@ def ellipse(x, y, major, minor, theta, mu=None):
 def thrown(motions):
     """The line, after all bodies, that gives them velocities (u, v, omega)."""
     return "bodyQ = [" + ", ".join(f"{float(value)!r}" for value in np.transpose(motions).ravel()) + "];"
-
-
-def leaning(major, minor, lean):
-    """Angle of the normal of a floor from the major axis, and height of the centre, of an ellipse whose point of contact lies
-    `lean` (a tangent) of the height uphill of the centre: (b^2 - a^2) k = lean (a^2 + b^2 k^2), k the tangent of the angle."""
-    a2, b2 = major**2, minor**2
-    k = (-(a2 - b2) - np.sqrt((a2 - b2)**2 - 4 * lean**2 * a2 * b2)) / (2 * lean * b2)
-    angle = np.arctan(k)
-    return angle, np.sqrt(a2 * np.cos(angle)**2 + b2 * np.sin(angle)**2)
 
 
 def test_an_ellipse_stays_or_slides_down_an_incline(scene):

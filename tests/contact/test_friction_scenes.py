@@ -8,20 +8,8 @@ import numpy as np
 import pytest
 
 from tests.conftest import run_freefem
+from tests.friction import G, R, SCENE, last, plane
 from tools.base.tables import read_table
-
-R, G = 0.01, 9.81
-SCENE = """
-include "lib/case.idp"
-include "lib/contact/walls.idp"
-optCase("friction", "a scene of tests/contact/test_friction_scenes.py");
-optDefault("-friction-tol", "1e-12"); optDefault("-contact-tol", "1e-12");
-real gravityX = {gravity[0]:.17g}, gravityY = {gravity[1]:.17g};
-macro caseParticles() {{ {bodies} }} // EOM
-macro caseWalls() {{ {walls} }} // EOM
-include "scripts/contacts.edp"
-"""
-
 
 @pytest.fixture
 def scene(freefem_text, tmp_path):
@@ -38,20 +26,6 @@ def scene(freefem_text, tmp_path):
 def disk(x, y, mu=None, motion=(0.0, 0.0, 0.0), radius=R, free=1):
     made = "bodyAdd(" + ", ".join(f"{float(value)!r}" for value in (x, y, radius, 1000, *motion)) + f", {free})"
     return made + ";" if mu is None else f"bodyRough({made}, {float(mu)!r});"
-
-
-def plane(k, angle, mu, below=0.0):
-    """Plane k, which sinks to the right, from (k, -below) on, and its normal."""
-    c, s = np.cos(angle), np.sin(angle)
-    start = np.array([float(k), -below])
-    ends = ", ".join(f"{float(value)!r}" for value in [*start, *start + 0.9 * np.array([c, -s])])
-    return f"contactWallRough(contactWallSegment({ends}), {mu!r});", (s, c)
-
-
-def last(folder, name="particles"):
-    """The columns of the rows of the last time."""
-    rows = read_table(folder / f"{name}.csv")
-    return {key: rows[key][rows["t"] == rows["t"].max()] for key in rows}
 
 
 def test_a_disk_rolls_or_slips_down_an_incline(scene):

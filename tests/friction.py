@@ -1,0 +1,39 @@
+"""Scenes of contacts alone with friction: their text, inclines, and how an ellipse lies on one."""
+import numpy as np
+
+from tools.base.tables import read_table
+
+R, G = 0.01, 9.81
+SCENE = """
+include "lib/case.idp"
+include "lib/contact/walls.idp"
+optCase("friction", "a scene of tests/friction.py");
+optDefault("-friction-tol", "1e-12"); optDefault("-contact-tol", "1e-12");
+real gravityX = {gravity[0]:.17g}, gravityY = {gravity[1]:.17g};
+macro caseParticles() {{ {bodies} }} // EOM
+macro caseWalls() {{ {walls} }} // EOM
+include "scripts/contacts.edp"
+"""
+
+
+def plane(k, angle, mu, below=0.0):
+    """Plane k, which sinks to the right, from (k, -below) on, and its normal."""
+    c, s = np.cos(angle), np.sin(angle)
+    start = np.array([float(k), -below])
+    ends = ", ".join(f"{float(value)!r}" for value in [*start, *start + 0.9 * np.array([c, -s])])
+    return f"contactWallRough(contactWallSegment({ends}), {mu!r});", (s, c)
+
+
+def last(folder, name="particles"):
+    """The columns of the rows of the last time."""
+    rows = read_table(folder / f"{name}.csv")
+    return {key: rows[key][rows["t"] == rows["t"].max()] for key in rows}
+
+
+def leaning(major, minor, lean):
+    """Angle of the normal of a floor from the major axis, and height of the centre, of an ellipse whose point of contact lies
+    `lean` (a tangent) of the height uphill of the centre: (b^2 - a^2) k = lean (a^2 + b^2 k^2), k the tangent of the angle."""
+    a2, b2 = major**2, minor**2
+    k = (-(a2 - b2) - np.sqrt((a2 - b2)**2 - 4 * lean**2 * a2 * b2)) / (2 * lean * b2)
+    angle = np.arctan(k)
+    return angle, np.sqrt(a2 * np.cos(angle)**2 + b2 * np.sin(angle)**2)
