@@ -7,6 +7,7 @@ import resource
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -49,6 +50,14 @@ def run_freefem(script, *args, check=True, timeout=300):
     if check and run.returncode != 0:
         pytest.fail(f"{' '.join(command)}\nended with status {run.returncode}\n{run.stdout[-3000:]}\n{run.stderr[-3000:]}")
     return run
+
+
+def eventually(question, limit=5):
+    """Whether it becomes true within so many seconds."""
+    end = time.monotonic() + limit
+    while not question() and time.monotonic() < end:
+        time.sleep(0.01)
+    return question()
 
 
 def run_tool(name, *words):

@@ -9,7 +9,7 @@ import time
 
 import pytest
 
-from tests.conftest import FREEFEM, ROOT, run_freefem, run_limited as run
+from tests.conftest import FREEFEM, ROOT, eventually, run_freefem, run_limited as run
 from tests.tables import assert_refused, assert_whole_rows
 
 FALLING = ["cases/falling_particles.edp", "-number", 5, "-every", 0]
@@ -19,14 +19,6 @@ KILLS = int(os.environ.get("RUN_KILLS", "4"))
 
 def status(folder):
     return json.loads((folder / "run.json").read_text())["status"]
-
-
-def eventually(question, limit=5):
-    """Whether it becomes true within so many seconds."""
-    end = time.monotonic() + limit
-    while not question() and time.monotonic() < end:
-        time.sleep(0.01)
-    return question()
 
 
 @pytest.mark.parametrize("pair", range(PAIRS))

@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import pytest
 
-from tests.conftest import FREEFEM, ROOT, run_freefem, run_limited as run
+from tests.conftest import FREEFEM, ROOT, eventually, run_freefem, run_limited as run
 from tests.lint import files
 from tests.tables import assert_refused
 
@@ -140,7 +140,7 @@ def test_a_scratch_folder_may_have_any_path(tmp_path, monkeypatch):
     (tmp_path / "one.csv").write_text("id,x,y,radius,density\n7,0.7,2,0.2,2\n")
     run_freefem("cases/template.edp", "-tend", 0.0025, "-particles", tmp_path / "one.csv", "-out", tmp_path / "run")
     assert len(set(row.split(",")[2] for row in (tmp_path / "run/particles.csv").read_text().splitlines()[1:])) == 4
-    assert not (ROOT / "pwned").exists() and list(folder.iterdir()) == []
+    assert not (ROOT / "pwned").exists() and eventually(lambda: list(folder.iterdir()) == [])
 
 
 def sealed(folder, base):
