@@ -109,6 +109,13 @@ def shaft(tmp_path_factory):
         0.0625), "-x", 0.5, "-y", 2
 
 
+@pytest.fixture(scope="session")
+def long_box(tmp_path_factory):
+    """A mesh of a box of 3 by 0.8, elements of 0.05, with a name for each side (a file)."""
+    return make_mesh(tmp_path_factory.mktemp("long_box") / "box.mesh", "box", "--width", 3, "--height", 0.8, "--size", 0.05, "--sides",
+        "named")
+
+
 @pytest.fixture
 def freefem():
     """The function run_freefem(script, *args, check=True, timeout=300)."""

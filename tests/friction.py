@@ -1,4 +1,6 @@
 """Scenes of contacts alone with friction: their text, inclines, and how an ellipse lies on one."""
+import filecmp
+
 import numpy as np
 
 from tools.base.tables import read_table
@@ -14,6 +16,25 @@ macro caseParticles() {{ {bodies} }} // EOM
 macro caseWalls() {{ {walls} }} // EOM
 include "scripts/contacts.edp"
 """
+
+
+def runner(freefem_text, folder):
+    """A function (bodies, walls, *words, gravity, name) that runs lines of a case; it returns the folder of the run."""
+    def run(bodies, walls, *words, gravity=(0.0, -G), name="run", **more):
+        text = SCENE.format(bodies="\n".join(bodies), walls="\n".join(walls) or "int none = 0;", gravity=gravity)
+        freefem_text(text, *words, "-out", folder / name, **more)
+        return folder / name
+
+    return run
+
+
+def goes_on(run, freefem_text, bodies, walls, end, *words):
+    """Whether a run that is continued from the middle (run: a runner) leaves the tables of one that was not broken off."""
+    whole = run(bodies, walls, *words, "-tend", end, name="whole")
+    half = run(bodies, walls, *words, "-tend", end / 2, name="half")
+    text = SCENE.format(bodies="\n".join(bodies), walls="\n".join(walls), gravity=(0.0, -G))
+    freefem_text(text, *words, "-tend", end, "-restart", half)
+    return all(filecmp.cmp(whole / name, half / name, shallow=False) for name in ("particles.csv", "contacts.csv"))
 
 
 def plane(k, angle, mu, below=0.0):

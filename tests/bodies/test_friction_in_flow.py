@@ -20,13 +20,6 @@ include "scripts/resolved.edp"
 """
 
 
-@pytest.fixture(scope="module")
-def long_box(tmp_path_factory):
-    from tests.conftest import make_mesh
-    return make_mesh(tmp_path_factory.mktemp("mesh") / "box.mesh", "box", "--width", 3, "--height", 0.8, "--size", 0.05, "--sides",
-        "named")
-
-
 @pytest.mark.parametrize("tilt, rolls", [(20, True), (60, False)])
 def test_a_heavy_disk_rolls_or_slides_down_a_slope(tilt, rolls, long_box, freefem_text, tmp_path):
     """2/3 g sin a where tan a <= 3 mu, else g (sin a - mu cos a), with the angular acceleration 2 mu g cos a/R; mu = 0.3. The rest

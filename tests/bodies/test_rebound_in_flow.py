@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from tests.conftest import make_mesh
 from tests.tables import assert_refused, broken_off, numbers
 from tools.base.run_folder import RunFolder
 
@@ -19,12 +18,6 @@ func real boundaryRamp(real t) { return 1; }
 macro caseParticles() CODE // EOM
 include "scripts/resolved.edp"
 """
-
-
-@pytest.fixture(scope="module")
-def long_box(tmp_path_factory):
-    return make_mesh(tmp_path_factory.mktemp("mesh") / "box.mesh", "box", "--width", 3, "--height", 0.8, "--size", 0.05, "--sides",
-        "named")
 
 
 def run_of(freefem_text, box, folder, code, *words):

@@ -8,19 +8,12 @@ import numpy as np
 import pytest
 
 from tests.conftest import run_freefem
-from tests.friction import G, R, SCENE, last, plane
+from tests.friction import G, R, SCENE, goes_on, last, plane, runner
 from tools.base.tables import read_table
 
 @pytest.fixture
 def scene(freefem_text, tmp_path):
-    """Runs bodies and walls (lines of a case); returns the folder of the run."""
-
-    def run(bodies, walls, *words, gravity=(0.0, -G), name="run"):
-        text = SCENE.format(bodies="\n".join(bodies), walls="\n".join(walls) or "int none = 0;", gravity=gravity)
-        freefem_text(text, *words, "-out", tmp_path / name)
-        return tmp_path / name
-
-    return run
+    return runner(freefem_text, tmp_path)
 
 
 def disk(x, y, mu=None, motion=(0.0, 0.0, 0.0), radius=R, free=1):
@@ -195,15 +188,10 @@ def test_energy_never_rises_in_a_violent_crowd(scene, words):
     assert motion["contacts"].max() > 20
 
 
-def test_a_run_with_friction_goes_on_bit_for_bit(scene, freefem_text, tmp_path):
+def test_a_run_with_friction_goes_on_bit_for_bit(scene, freefem_text):
     words = ["-friction", 0.4, "-friction-tol", 1e-6, "-dt", 0.004, "-every", 0.02, "-checkpoint", 15]
     bodies, walls = crowd(2, 60)
-    whole = scene(bodies, walls, *words, "-tend", 0.12, name="whole")
-    half = scene(bodies, walls, *words, "-tend", 0.06, name="half")
-    text = SCENE.format(bodies="\n".join(bodies), walls="\n".join(walls), gravity=(0.0, -G))
-    freefem_text(text, *words, "-tend", 0.12, "-restart", half)
-    for name in ("particles.csv", "contacts.csv"):
-        assert filecmp.cmp(whole / name, half / name, shallow=False), name
+    assert goes_on(scene, freefem_text, bodies, walls, 0.12, *words)
 
 
 def test_a_coefficient_of_0_leaves_the_tables_as_they_are(scene):

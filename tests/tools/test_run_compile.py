@@ -109,5 +109,5 @@ def test_distance_of_words(first, second, away):
 def test_what_a_driver_needs_is_read_from_its_cases():
     assert {"rhoFluid", "mu", "flowNoSlip", "boundaryRamp", "caseParticles",
         "motionBound"} <= project.always("scripts/resolved.edp")
-    assert {Path(path).stem for path in project.drivers()} == {"contacts", "contact_spheres", "flow", "project_spheres", "project_velocities", "resolved",
-        "spheres", "steady", "steady_laminar", "transport"}
+    assert {Path(path).stem for path in project.drivers()} == {"contacts", "contact_spheres", "flow", "project_spheres",
+        "project_velocities", "resolved", "spheres", "steady", "steady_laminar", "transport"}
