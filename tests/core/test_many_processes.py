@@ -6,59 +6,14 @@ import signal
 import subprocess
 import sys
 import time
-from functools import lru_cache
 
-import numpy as np
 import pytest
 
 from tests.conftest import ROOT, make_mesh, run_freefem
-from tests.tables import numbers
+from tests.processes import LIMIT, assert_near, assert_same, compare, ranks, why_not
 from tools.base.ranks import MPI_ENVIRONMENT, launcher
 
 PIPE = ["cases/pipe_obstacles.edp", "-number", "12", "-first", "0", "-interval", "0.01", "-ramp", "0.05", "-every", "0"]
-LIMIT = 300  # s
-NEAR = 1e-9  # of the largest value of a column; sums in another order make 1e-13 to 1e-11 of it
-SMALL = 1e-5  # a column below this, in the units of the case, is itself rounding: the flux out of a closed box, a force by symmetry
-
-
-@lru_cache(maxsize=None)
-def why_not():
-    """One line where FreeFEM cannot run on two processes here, else empty."""
-    from tools.setup.doctor import mpi_fault
-
-    return mpi_fault()
-
-
-def ranks(number, *words, check=True):
-    """The CompletedProcess of ff-mpirun -np NUMBER WORDS in the root."""
-    if why_not():
-        pytest.skip(why_not())
-    run = subprocess.run([launcher(), "-np", str(number), *map(str, words)], cwd=ROOT, env=os.environ | MPI_ENVIRONMENT,
-        capture_output=True, text=True, errors="replace", timeout=LIMIT)
-    assert not check or run.returncode == 0, run.stdout[-3000:] + run.stderr[-3000:]
-    return run
-
-
-def assert_near(one, many):
-    """The CSVs of two folders: the same rows, and values near each other; but for times of computing."""
-    for path in sorted(one.glob("*.csv")):
-        expected, got = numbers(one, path.name), numbers(many, path.name)
-        assert expected.keys() == got.keys() and not path.name.startswith("times")
-        for column, values in expected.items():
-            if column.startswith("time_"):
-                continue
-            values, others = np.atleast_1d(values), np.atleast_1d(got[column])
-            assert values.shape == others.shape, (path.name, column)
-            largest = max(abs(values).max(initial=0), SMALL)
-            np.testing.assert_allclose(others, values, rtol=0, atol=NEAR*largest, err_msg=f"{path.name} {column}")
-
-
-def compare(number, folder, *words):
-    """Runs on one process and on several, and compares; returns the folder of the latter."""
-    run_freefem(*words, "-out", folder / "one")
-    ranks(number, *words, "-out", folder / f"on{number}")
-    assert_near(folder / "one", folder / f"on{number}")
-    return folder / f"on{number}"
 
 
 def test_free_bodies_with_forces(tmp_path):
@@ -80,7 +35,7 @@ def test_one_line_and_its_status_end_all_processes():
     (["cases/sheared_suspension.edp"], "periodic sides"),
     (["cases/cavity.edp"], "steady flows"),
     (["cases/heap.edp"], "contacts without a flow"),
-    (["cases/held_sphere.edp"], "spheres"),
+    (["cases/falling_spheres.edp"], "contacts without a flow"),
     (["cases/given_flow.edp"], "point particles"),
     (["cases/settling_disk.edp", "-scheme", "published"], "published scheme"),
     (["cases/settling_disk.edp", "-bogus", "1"], "unknown option"),
@@ -145,16 +100,6 @@ def test_particles_that_enter_and_collide(pipe, on_two, tmp_path):
     assert_near(tmp_path / "one", on_two)
     ranks(3, *pipe, "-tend", "0.12", "-out", tmp_path / "three")
     assert_near(tmp_path / "one", tmp_path / "three")
-
-
-def assert_same(folder, other):
-    for path in other.glob("*.csv"):
-        if path.name != "fluid.csv":
-            assert path.read_bytes() == (folder / path.name).read_bytes(), path.name
-    got, expected = numbers(folder, "fluid.csv"), numbers(other, "fluid.csv")
-    for column in expected:
-        if not column.startswith("time_"):
-            np.testing.assert_array_equal(got[column], expected[column], err_msg=column)
 
 
 @pytest.mark.slow
