@@ -72,7 +72,8 @@ def test_a_heavy_disk_on_a_moving_plate_is_carried(long_box, freefem_text, tmp_p
 @pytest.mark.parametrize("kind", [pytest.param("disk", marks=pytest.mark.slow), "ellipse"])
 def test_a_collision_in_a_fluid_has_its_friction_at_once(kind, freefem_text, tmp_path):
     """Two bodies meet obliquely in a periodic box: the tangential impulse turns both (I w = f R for disks), and momentum holds to
-    0.4 % of the impulse. It was 0.002 of the pressure, as the projection stops a small part of the approach only."""
+    0.06 % of the impulse, of ellipses to 0.12 %, in the step of the collision. (It was off by 0.3 %: nodes have their centroid beside the centre.)
+    Friction was 0.002 of the pressure, as the projection stops a small part of the approach only."""
     bodies = {"disk": "bodyAdd(0.38, 0.5, 0.1, 2, 1, 0.0, 0, 1); bodyAdd(0.62, 0.55, 0.1, 2, -1, 0.6, 0, 1);",
         "ellipse": "bodyEllipse(0.38, 0.5, 0.11, 0.07, 0.5, 2); bodyEllipse(0.62, 0.55, 0.1, 0.07, 0.9, 2); "
         "bodyQ = [1, -1, 0, 0.6, 0, 0]; bodyQ1 = bodyQ; bodyQ2 = bodyQ;"}[kind]
@@ -82,7 +83,7 @@ def test_a_collision_in_a_fluid_has_its_friction_at_once(kind, freefem_text, tmp
     hit = int(np.argmax(found[:, 2] > 1e-4))
     press, rub = first["impulse"][0], first["tangential"][0]
     assert hit > 1 and found[hit, 2] == pytest.approx(press, rel=1e-6) and 0.1 * press < abs(rub) <= 0.5 * press * (1 + 1e-3)
-    assert np.hypot(*(found[hit] - found[hit - 1])[:2]) < 0.004 * press
+    assert np.hypot(*(found[hit] - found[hit - 1])[:2]) < {"disk": 6e-4, "ellipse": 1.2e-3}[kind] * press
     at = int(np.argmin(abs(run.particles["t"][::2] - first["t"][0])))
     turned = np.diff(run.particles["omega"].reshape(-1, 2), axis=0)[at - 1]
     if kind == "disk":
