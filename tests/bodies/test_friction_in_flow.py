@@ -58,15 +58,21 @@ def test_a_heavy_ellipse_stays_or_slides_down_a_slope(tilt, slides, long_box, fr
 
 
 def test_a_heavy_disk_on_a_moving_plate_is_carried(long_box, freefem_text, tmp_path):
-    """Friction is that of the plate's own velocity: u = mu g t while it slides."""
-    text = HEAVY.replace("CODE", "bodyDisk(0.5, 0.1, 0.1, 1000);").replace("labelBottom, labelTop], flowMoving(0)",
+    """Friction is that of the plate's own velocity: u = mu g t while it slides. Another disk falls on it at 0.5, and has mu times what stops it
+    at once. (In a collision it was held back as by a plate at rest.)"""
+    disks = "{ bodyDisk(0.5, 0.1, 0.1, 1000); bodyAdd(1.5, 0.112, 0.1, 1000, 0, -0.5, 0, 1); }"
+    text = HEAVY.replace("CODE", disks).replace("labelBottom, labelTop], flowMoving(0)",
         "labelTop], flowMoving = [labelBottom]").replace("func real boundaryRamp",
             "macro boundaryU() 1. // EOM\nfunc real boundaryRamp")
     freefem_text(text, "-mesh", long_box, "-tilt", 0, "-friction", 0.3, "-dt", 0.005, "-tend", 0.05, "-stabilise", 0, "-out",
         tmp_path / "run")
-    table = RunFolder(tmp_path / "run").particles
+    table, falls = (RunFolder(tmp_path / "run").tracks[k] for k in (0, 1))
     assert table["u"][-1] == pytest.approx(0.3 * 9.81 * 0.05, rel=0.02)
     assert table["omega"][-1] == pytest.approx(2 * table["u"][-1] / 0.1, rel=0.02)
+    hit = int(np.argmax(np.diff(falls["v"])))
+    contacts = RunFolder(tmp_path / "run").table("contacts")
+    press = contacts["impulse"][contacts["i"] == 1][0] / (1000 * np.pi * 0.1**2)
+    assert abs(falls["u"][hit]) < 1e-3 and press > 0.6 and falls["u"][hit + 1] == pytest.approx(0.3 * press, rel=0.01)
 
 
 @pytest.mark.parametrize("kind", [pytest.param("disk", marks=pytest.mark.slow), "ellipse"])

@@ -23,7 +23,8 @@ def told(name, values):
     return f"real[int] {name} = [{', '.join(repr(float(value)) for value in values)}];\n"
 
 
-BLOCKS = {"square": ("bodyPolygon(px, py, 0.02, 1000);", told("px", [0.42, 0.58, 0.58, 0.42]) + told("py", [0.02, 0.02, 0.14, 0.14])),
+SQUARE = told("px", [0.42, 0.58, 0.58, 0.42]) + told("py", [0.02, 0.02, 0.14, 0.14])
+BLOCKS = {"square": ("bodyPolygon(px, py, 0.02, 1000);", SQUARE),
     "capsule": ("bodyCapsule(0.5, 0.06, 0.1, 0.06, 0, 1000);", ""),
     "clump": ("bodyClump(px, py, pr, 1000);", told("px", [0.42, 0.58]) + told("py", [0.08, 0.08]) + told("pr", [0.08, 0.08]))}
 
