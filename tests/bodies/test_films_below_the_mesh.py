@@ -113,7 +113,7 @@ def test_a_plane_of_symmetry_is_another_disk_in_the_mirror(box, freefem_text, tm
 
 LOOK = """macro caseStep() {
     real[int] q(3*bodyNumber), f(3*bodyNumber), s(0);
-    cout << "films " << filmN << " " << filmPairs << " " << filmListN << " " << filmPower() << endl;
+    cout << "films " << filmN << " " << filmPairs << " " << filmListN << " " << filmPower(bodyQ) << endl;
     if (filmN > 0) {
         for (int k = 0; k < bodyNumber; ++k) { q[k] = -bodyY[k]; q[bodyNumber + k] = bodyX[k]; q[2*bodyNumber + k] = 1; }
         filmForce(f);
