@@ -11,12 +11,6 @@ from tools.base.run_folder import RunFolder
 WEIGHT = 10.0
 
 
-@pytest.fixture
-def freefem_text(freefem_text):
-    """Runs a script with films, which are off by default."""
-    return lambda text, *words, **options: freefem_text(text, *([] if "-film" in words else ["-film", 1]), *words, **options)
-
-
 @pytest.fixture(scope="module")
 def box(tmp_path_factory):
     """A box of 8 x 8 radii, four elements a radius."""
