@@ -78,7 +78,8 @@ def test_a_disk_comes_to_rest_and_a_wall_without_restitution_stops_it(long_box, 
     v, y = run.particles["v"], run.particles["y"]
     assert v.max() == pytest.approx(0.5 * -v.min(), rel=0.1)
     assert abs(v[-20:]).max() < 1e-3 and abs(y[-20:] - 0.1).max() < 1e-6
-    text = [run_of(freefem_text, long_box, tmp_path / f"stop{k}", disk, "-tend", 0.12, *words).folder / "particles.csv"
+    text = [run_of(freefem_text, long_box, tmp_path / f"stop{k}", disk, "-film", 0, "-tend", 0.12,
+        *words).folder / "particles.csv"
         for k, words in enumerate(([], ["-restitution", 0.5, "-restitution-wall", 0]))]
     assert text[0].read_bytes() == text[1].read_bytes()
 
