@@ -11,6 +11,7 @@ import pytest
 
 from tests.conftest import ROOT, make_mesh, run_freefem
 from tests.processes import LIMIT, assert_near, assert_same, compare, ranks, why_not
+from tests.tables import numbers
 from tools.base.ranks import MPI_ENVIRONMENT, launcher
 
 PIPE = ["cases/pipe_obstacles.edp", "-number", "12", "-first", "0", "-interval", "0.01", "-ramp", "0.05", "-every", "0"]
