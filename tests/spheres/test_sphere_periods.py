@@ -81,7 +81,8 @@ def test_drag_in_lattices(lattice, exact, freefem, tmp_path):
     if not exact:
         c, b = 0.027, 0.329 if lattice == "body" else 0.302
         exact = 1 / (1 - 1.791 * c ** (1 / 3) + c - b * c**2)
-        options = ["-lattice", lattice, "-fraction", c, "-mesh", make_mesh(tmp_path / "fine.mesh", "sphere_lattice", "--size", 1 / 16)]
+        mesh = make_mesh(tmp_path / "fine.mesh", "sphere_lattice", "--size", 1 / 16)
+        options = ["-lattice", lattice, "-fraction", c, "-mesh", mesh, "-tend", 1]
     freefem("cases/sphere_lattice.edp", *options, "-out", tmp_path / "run")
     assert read_table(tmp_path / "run/array.csv")["drag"][-1] == pytest.approx(exact, rel=0.015)
 
