@@ -52,6 +52,7 @@ CASES = {
     "carried_disk": ["-tend", "0.02"],
     "settling_sphere": ["-tend", "0.02"],
     "sphere_array": ["-tend", "0.04"],
+    "sphere_lattice": ["-tend", "0.04"],
     "held_sphere": ["-tend", "0.2"],
     "two_spheres": ["-tend", "0.005"],
     "falling_spheres": ["-tend", "0.1"],

@@ -68,6 +68,7 @@ CASES = {
     "held_sphere": (space_stream, {}),
     "pipe_spheres": (space_pipe, {}),
     "sphere_array": (space_cell, {"size": 0.5 / 8}),
+    "sphere_lattice": (space_cell, {"size": 1 / 8, "length": 1.0, "width": 1.0, "height": 1.0, "octants": "mirrored"}),
     "ellipse_in_shear": (couette, {"length": 2.0, "size": 1 / 80, "core": 0.3}),
 }
 # All that python -m tools.mesh knows: the cases, and what has no default mesh.
