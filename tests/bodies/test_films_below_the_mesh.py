@@ -113,7 +113,7 @@ LOOK = """macro caseStep() {
         filmForce(f);
         real turn = 0;
         for (int k = 0; k < bodyNumber; ++k) turn += bodyX[k]*f[bodyNumber + k] - bodyY[k]*f[k] + f[2*bodyNumber + k];
-        f *= 1; s.resize(3*bodyNumber) = filmA*q;
+        s.resize(3*bodyNumber); s = 0.; filmApply(q, s);
         real fx = 0, fy = 0;
         for (int k = 0; k < bodyNumber; ++k) { fx += f[k]; fy += f[bodyNumber + k]; }
         cout << "free " << fx << " " << fy << " " << turn << " " << s.linfty << " " << f.linfty << endl;
