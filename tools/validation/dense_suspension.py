@@ -10,7 +10,7 @@ from tools.validation import Failed
 from tools.validation.particles import axes_of
 from tools.validation.suspension import CASE, spread, viscosity
 
-SHARES, SEEDS, CELLS, START, END = (0.1, 0.2, 0.3, 0.4, 0.5), (1, 2, 3), (32, 64), 2.0, 8.0
+SHARES, SEEDS, CELLS, START, END = (0.1, 0.2, 0.3, 0.4, 0.5), (1, 2, 3), (32, 24), 2.0, 8.0
 PACKING = 0.82
 SAME = 0.1  # from mesh to mesh, with films
 
