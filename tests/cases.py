@@ -39,6 +39,7 @@ CASES = {
     "cylinder_between_plates": ["-tend", "0.01"],
     "cylinder_beside_wall": ["-tend", "10"],
     "cylinder_in_stream": ["-tend", "0.1"],
+    "started_cylinder": ["-tend", "0.01"],
     "cylinder_array": ["-tend", "0.01"],
     "couette_disk": ["-tend", "0.1"],
     "sheared_suspension": ["-tend", "0.1"],
@@ -51,6 +52,7 @@ CASES = {
     "carried_disk": ["-tend", "0.02"],
     "settling_sphere": ["-tend", "0.02"],
     "sphere_array": ["-tend", "0.04"],
+    "sphere_lattice": ["-tend", "0.04"],
     "held_sphere": ["-tend", "0.2"],
     "two_spheres": ["-tend", "0.005"],
     "falling_spheres": ["-tend", "0.1"],
@@ -65,4 +67,5 @@ COARSER = {
     "backward_step": ["--size", 0.2],
     "drafting_kissing_tumbling": ["--size", 0.05],
     "cylinder_steady": ["--size", 0.12],
+    "started_cylinder": ["--circle-points", 64],
 }

@@ -58,3 +58,19 @@ def leaning(major, minor, lean):
     k = (-(a2 - b2) - np.sqrt((a2 - b2)**2 - 4 * lean**2 * a2 * b2)) / (2 * lean * b2)
     angle = np.arctan(k)
     return angle, np.sqrt(a2 * np.cos(angle)**2 + b2 * np.sin(angle)**2)
+
+
+def struck(mass, moment, arm, velocity, mu):
+    """Impulses (normal, tangential) of a body that hits a wall with the normal (0, 1) and t = (-1, 0), and its velocity (u, v,
+    omega) after it. arm: from the centre to the contact, which sticks or slides throughout."""
+    rows = np.array([[0, 1, arm[0]], [-1, 0, arm[1]]])
+    inertia = np.array([mass, mass, moment])
+    w = (rows / inertia) @ rows.T
+    velocity = np.array(velocity, float)
+    rate = rows @ velocity
+    both = np.linalg.solve(w, -rate)
+    if abs(both[1]) > mu * both[0]:
+        sense = -np.sign(rate[1])
+        press = -rate[0] / (w[0, 0] + sense * mu * w[0, 1])
+        both = np.array([press, sense * mu * press])
+    return both, velocity + rows.T @ both / inertia

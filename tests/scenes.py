@@ -43,6 +43,11 @@ def case(particles, walls="labelLeft, labelRight, labelBottom, labelTop", moving
     return text.replace(" = []", "(0)")
 
 
+def filmed(run, film):
+    """The runner of scripts `run` with -film 1 or 0, unless the words of a test say what films there are."""
+    return lambda text, *words, **options: run(text, *([] if "-film" in words else ["-film", film]), *words, **options)
+
+
 def ring(file):
     """A mesh between a cylinder of radius 0.4 (label 6) and one of radius 1 (label 3), in 24 and 60 chords."""
     return f"""

@@ -80,7 +80,7 @@ def test_the_look_for_contacts_may_rest(freefem_text, shaft, tmp_path):
     two = "bodyDisk(0.5, 1.7, diameter/2, 3.); bodyDisk(0.52, 0.8, diameter/2, 1.2);"
     for name, step in (("rests", ""), ("looks", "motionRest = -1;")):
         freefem_text(standard_alone(case.replace(place, two).replace('include "scripts', f'macro caseStep() {step} // EOM\ninclude "scripts')),
-                     *shaft, "-dt", 0.001, "-tend", 0.2, "-out", tmp_path / name)
+                     *shaft, "-film", 0, "-dt", 0.001, "-tend", 0.2, "-out", tmp_path / name)
     assert (tmp_path / "rests" / "particles.csv").read_bytes() == (tmp_path / "looks" / "particles.csv").read_bytes()
     gaps = [read_table(tmp_path / name / "fluid.csv")["worst_gap"] for name in ("rests", "looks")]
     touched = gaps[1] < 1e-6

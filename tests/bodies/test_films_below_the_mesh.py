@@ -11,12 +11,6 @@ from tools.base.run_folder import RunFolder
 WEIGHT = 10.0
 
 
-@pytest.fixture
-def freefem_text(freefem_text):
-    """Runs a script with films, which are off by default."""
-    return lambda text, *words, **options: freefem_text(text, *([] if "-film" in words else ["-film", 1]), *words, **options)
-
-
 @pytest.fixture(scope="module")
 def box(tmp_path_factory):
     """A box of 8 x 8 radii, four elements a radius."""
@@ -113,13 +107,13 @@ def test_a_plane_of_symmetry_is_another_disk_in_the_mirror(box, freefem_text, tm
 
 LOOK = """macro caseStep() {
     real[int] q(3*bodyNumber), f(3*bodyNumber), s(0);
-    cout << "films " << filmN << " " << filmPairs << " " << filmListN << " " << filmPower() << endl;
+    cout << "films " << filmN << " " << filmPairs << " " << filmListN << " " << filmPower(bodyQ) << endl;
     if (filmN > 0) {
         for (int k = 0; k < bodyNumber; ++k) { q[k] = -bodyY[k]; q[bodyNumber + k] = bodyX[k]; q[2*bodyNumber + k] = 1; }
         filmForce(f);
         real turn = 0;
         for (int k = 0; k < bodyNumber; ++k) turn += bodyX[k]*f[bodyNumber + k] - bodyY[k]*f[k] + f[2*bodyNumber + k];
-        f *= 1; s.resize(3*bodyNumber) = filmA*q;
+        s.resize(3*bodyNumber); s = 0.; filmApply(q, s);
         real fx = 0, fy = 0;
         for (int k = 0; k < bodyNumber; ++k) { fx += f[k]; fy += f[bodyNumber + k]; }
         cout << "free " << fx << " " << fy << " " << turn << " " << s.linfty << " " << f.linfty << endl;

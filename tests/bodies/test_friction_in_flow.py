@@ -58,21 +58,28 @@ def test_a_heavy_ellipse_stays_or_slides_down_a_slope(tilt, slides, long_box, fr
 
 
 def test_a_heavy_disk_on_a_moving_plate_is_carried(long_box, freefem_text, tmp_path):
-    """Friction is that of the plate's own velocity: u = mu g t while it slides."""
-    text = HEAVY.replace("CODE", "bodyDisk(0.5, 0.1, 0.1, 1000);").replace("labelBottom, labelTop], flowMoving(0)",
+    """Friction is that of the plate's own velocity: u = mu g t while it slides. Another disk falls on it at 0.5, and has mu times what stops it
+    at once. (In a collision it was held back as by a plate at rest.)"""
+    disks = "{ bodyDisk(0.5, 0.1, 0.1, 1000); bodyAdd(1.5, 0.112, 0.1, 1000, 0, -0.5, 0, 1); }"
+    text = HEAVY.replace("CODE", disks).replace("labelBottom, labelTop], flowMoving(0)",
         "labelTop], flowMoving = [labelBottom]").replace("func real boundaryRamp",
             "macro boundaryU() 1. // EOM\nfunc real boundaryRamp")
     freefem_text(text, "-mesh", long_box, "-tilt", 0, "-friction", 0.3, "-dt", 0.005, "-tend", 0.05, "-stabilise", 0, "-out",
         tmp_path / "run")
-    table = RunFolder(tmp_path / "run").particles
+    table, falls = (RunFolder(tmp_path / "run").tracks[k] for k in (0, 1))
     assert table["u"][-1] == pytest.approx(0.3 * 9.81 * 0.05, rel=0.02)
     assert table["omega"][-1] == pytest.approx(2 * table["u"][-1] / 0.1, rel=0.02)
+    hit = int(np.argmax(np.diff(falls["v"])))
+    contacts = RunFolder(tmp_path / "run").table("contacts")
+    press = contacts["impulse"][contacts["i"] == 1][0] / (1000 * np.pi * 0.1**2)
+    assert abs(falls["u"][hit]) < 1e-3 and press > 0.6 and falls["u"][hit + 1] == pytest.approx(0.3 * press, rel=0.01)
 
 
 @pytest.mark.parametrize("kind", [pytest.param("disk", marks=pytest.mark.slow), "ellipse"])
 def test_a_collision_in_a_fluid_has_its_friction_at_once(kind, freefem_text, tmp_path):
     """Two bodies meet obliquely in a periodic box: the tangential impulse turns both (I w = f R for disks), and momentum holds to
-    0.4 % of the impulse. It was 0.002 of the pressure, as the projection stops a small part of the approach only."""
+    0.06 % of the impulse, of ellipses to 0.12 %, in the step of the collision. (It was off by 0.3 %: nodes have their centroid beside the centre.)
+    Friction was 0.002 of the pressure, as the projection stops a small part of the approach only."""
     bodies = {"disk": "bodyAdd(0.38, 0.5, 0.1, 2, 1, 0.0, 0, 1); bodyAdd(0.62, 0.55, 0.1, 2, -1, 0.6, 0, 1);",
         "ellipse": "bodyEllipse(0.38, 0.5, 0.11, 0.07, 0.5, 2); bodyEllipse(0.62, 0.55, 0.1, 0.07, 0.9, 2); "
         "bodyQ = [1, -1, 0, 0.6, 0, 0]; bodyQ1 = bodyQ; bodyQ2 = bodyQ;"}[kind]
@@ -82,7 +89,7 @@ def test_a_collision_in_a_fluid_has_its_friction_at_once(kind, freefem_text, tmp
     hit = int(np.argmax(found[:, 2] > 1e-4))
     press, rub = first["impulse"][0], first["tangential"][0]
     assert hit > 1 and found[hit, 2] == pytest.approx(press, rel=1e-6) and 0.1 * press < abs(rub) <= 0.5 * press * (1 + 1e-3)
-    assert np.hypot(*(found[hit] - found[hit - 1])[:2]) < 0.004 * press
+    assert np.hypot(*(found[hit] - found[hit - 1])[:2]) < {"disk": 6e-4, "ellipse": 1.2e-3}[kind] * press
     at = int(np.argmin(abs(run.particles["t"][::2] - first["t"][0])))
     turned = np.diff(run.particles["omega"].reshape(-1, 2), axis=0)[at - 1]
     if kind == "disk":

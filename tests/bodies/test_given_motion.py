@@ -87,7 +87,7 @@ def test_a_held_ellipse_in_a_wall_leaves_the_contacts_of_others_alone(freefem_te
     """A disk rests on the floor while the ellipse is moved into the right wall; nothing that cannot move presses."""
     text = scene("bodyHeld(bodyEllipse(0.84, 0.7, 0.1, 0.06, 0, 1)); bodyDisk(0.3, 0.1001, 0.1, 20);",
         "givenMotion(0, 0.5, 0, 0);").replace("gravityY = 0", "gravityY = -1")
-    done = freefem_text(text, "-dt", 0.01, "-cfl", 0, "-every", 0, "-tend", 0.2, "-out", tmp_path / "run")
+    done = freefem_text(text, "-film", 0, "-dt", 0.01, "-cfl", 0, "-every", 0, "-tend", 0.2, "-out", tmp_path / "run")
     assert (done.stdout + done.stderr).count("make bodies overlap each other or walls by") == 1
     contacts = RunFolder(tmp_path / "run").table("contacts")
     assert set(contacts["i"]) == {1}

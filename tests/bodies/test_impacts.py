@@ -6,10 +6,16 @@ import numpy as np
 import pytest
 
 from tests.conftest import standard_alone
-from tests.scenes import case
+from tests.scenes import case, filmed
 from tests.tables import momentum_told, rows
 from tools.base.run_folder import RunFolder
 from tools.stress.overlap import aspects, pair_overlap
+
+
+@pytest.fixture
+def freefem_text(freefem_text):
+    """Runs a script without films, which would keep bodies from contact."""
+    return filmed(freefem_text, 0)
 
 
 def landing(freefem_text, folder, ratio, dt, end=0.5):

@@ -3,9 +3,15 @@ collision."""
 import numpy as np
 import pytest
 
-from tests.scenes import case, ring
+from tests.scenes import case, filmed, ring
 from tests.tables import momentum_told
 from tools.base.run_folder import RunFolder
+
+
+@pytest.fixture
+def freefem_text(freefem_text):
+    """Runs a script without films, which would keep bodies from contact."""
+    return filmed(freefem_text, 0)
 
 
 def calm_impulses(run):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.contact.shapes import moments
 from tests.tables import assert_refused, broken_off, numbers
 from tools.base.run_folder import RunFolder
 
@@ -59,6 +60,42 @@ def test_disks_that_meet_keep_their_momentum_and_part(long_box, freefem_text, tm
     energy_told(run, 1e-3)
 
 
+FORMS = {"ellipse": ("", "{ bodyEllipse(1.5, 0.18, 0.12, 0.06, 0.7, 1000); MOVE }"),
+    "square": ("real[int] px = [1.4, 1.6, 1.6, 1.4], py = [0.1, 0.14, 0.34, 0.3];", "{ bodyPolygon(px, py, 0.02, 1000); MOVE }")}
+
+
+@pytest.mark.parametrize("kind", ["ellipse", pytest.param("square", marks=pytest.mark.slow)])
+def test_an_oblique_impact_without_friction_turns_a_body(kind, long_box, freefem_text, tmp_path):
+    """The impulse is (1 + e) m' v, v the speed of approach and 1/m' = 1/m + a^2/J with the lever a. The fluid takes a hundredth."""
+    more, code = FORMS[kind]
+    text = HEAVY.replace("CODE", code.replace("MOVE", "bodyQ = [0.5, -1, 2]; bodyQ1 = bodyQ; bodyQ2 = bodyQ;"))
+    if more:
+        text = text.replace("optCase", 'include "lib/bodies/shapes.idp"\n' + more + "\noptCase")
+    freefem_text(text, "-mesh", long_box, "-dt", 0.002, "-every", 0, "-stabilise", 0, "-budget", 1, "-gravity", 0, "-restitution",
+        0.8, "-tend", 0.1, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    rows, contact = run.particles, run.table("contacts")
+    hit = int(np.argmax(np.diff(rows["v"])))
+    u, v, omega = (rows[key][hit] for key in ("u", "v", "omega"))
+    turn = rows["theta"][hit] + 0.5 * (rows["theta"][hit + 1] - rows["theta"][hit])
+    if kind == "ellipse":
+        height = np.hypot(0.12 * np.sin(turn), 0.06 * np.cos(turn))
+        lever = -(0.12**2 - 0.06**2) * np.sin(turn) * np.cos(turn) / height
+        mass, arm2 = 1000 * np.pi * 0.12 * 0.06, (0.12**2 + 0.06**2) / 4
+    else:
+        corners = np.array([[-0.1, -0.12], [0.1, -0.08], [0.1, 0.12], [-0.1, 0.08]])
+        area, _, _, moment = moments([(1, corners, 0.02)])
+        c, s = np.cos(turn), np.sin(turn)
+        lever = (corners @ np.array([[c, s], [-s, c]]))[(corners @ [s, c]).argmin(), 0]
+        mass, arm2 = 1000 * area, moment / area
+    press = -1.8 * (v + lever * omega) / (1 / mass + lever**2 / (mass * arm2))
+    assert len(contact["t"]) == 1 and contact["impulse"][0] == pytest.approx(press, rel=0.02)
+    assert rows["v"][hit + 1] == pytest.approx(v + press / mass, abs=0.02)
+    assert rows["omega"][hit + 1] * 0.1 == pytest.approx((omega + lever * press / (mass * arm2)) * 0.1, abs=0.02)
+    assert rows["u"][hit + 1] == pytest.approx(u, abs=0.01) and run.fluid["worst_gap"].min() > -1e-8
+    energy_told(run, 1e-3)
+
+
 CHAIN = ("bodyBouncy(bodyAdd(1.0, 0.4, 0.1, 1000, 2, 0, 0, 1), 1); bodyBouncy(bodyAdd(1.21, 0.4, 0.1, 50, 1.99, 0, 0, 1), 1); "
     "bodyBouncy(bodyAdd(1.42, 0.41, 0.1, 1000, -2, 0, 0, 1), 0.1);")
 
@@ -78,7 +115,8 @@ def test_a_disk_comes_to_rest_and_a_wall_without_restitution_stops_it(long_box, 
     v, y = run.particles["v"], run.particles["y"]
     assert v.max() == pytest.approx(0.5 * -v.min(), rel=0.1)
     assert abs(v[-20:]).max() < 1e-3 and abs(y[-20:] - 0.1).max() < 1e-6
-    text = [run_of(freefem_text, long_box, tmp_path / f"stop{k}", disk, "-tend", 0.12, *words).folder / "particles.csv"
+    text = [run_of(freefem_text, long_box, tmp_path / f"stop{k}", disk, "-film", 0, "-tend", 0.12,
+        *words).folder / "particles.csv"
         for k, words in enumerate(([], ["-restitution", 0.5, "-restitution-wall", 0]))]
     assert text[0].read_bytes() == text[1].read_bytes()
 
@@ -99,7 +137,7 @@ def test_a_run_that_rebounds_continues_bit_for_bit(long_box, tmp_path):
 
 
 @pytest.mark.parametrize("code, words, says", [
-    ("bodyEllipse(1.5, 0.4, 0.1, 0.06, 0, 2);", ["-restitution", 0.5], "ellipses in a flow do not take restitution"),
+    ("bodyEllipse(1.5, 0.4, 0.1, 0.06, 0, 2);", ["-restitution", 0.5, "-friction", 0.3], "restitution and friction together"),
     ("bodyDisk(1.5, 0.4, 0.1, 2);", ["-restitution", 0.5, "-scheme", "published"], "restitution in a flow is for -scheme standard"),
     pytest.param("{ bodyDisk(1.5, 0.4, 0.1, 2); wallBouncy(77, 0.5); }", [], "no wall with this label", marks=pytest.mark.slow),
 ])

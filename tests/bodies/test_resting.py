@@ -2,8 +2,15 @@
 import numpy as np
 import pytest
 
-from tests.scenes import case
+from tests.scenes import case, filmed
 from tools.base.tables import read_table
+
+
+@pytest.fixture
+def freefem_text(freefem_text):
+    """Runs a script without films, which would keep bodies from contact."""
+    return filmed(freefem_text, 0)
+
 
 EXCESS = 0.5 * np.pi * 0.12**2  # weight less buoyancy of a disk of density 1.5, N/m
 BODIES = {

@@ -275,7 +275,7 @@ def test_who_counts_as_near_in_an_impact_does_not_hang_on_the_axes(freefem_text,
         places = [(c * x - s * y, s * x + c * y, speed * c, speed * s) for (x, y), speed in bodies]
         text = case(" ".join(f"bodyAdd({x:.17g}, {y:.17g}, 0.1, 5, {u:.17g}, {v:.17g}, 0, 1);" for x, y, u, v in places), gravity=0,
                     more=f"macro caseDomain() Th = movemesh(Th, [{c:.17g}*x - {s:.17g}*y, {s:.17g}*x + {c:.17g}*y]); // EOM")
-        freefem_text(text, "-dt", 0.002, "-cfl", 0, "-tend", 0.03, "-every", 0, "-out", tmp_path / f"{angle}")
+        freefem_text(text, "-dt", 0.002, "-cfl", 0, "-tend", 0.03, "-every", 0, "-film", 0, "-out", tmp_path / f"{angle}")
         run = RunFolder(tmp_path / f"{angle}")
         assert run.fluid["contacts"].max() > 0
         found.append(np.column_stack([run.particles["u"], run.particles["v"]]) @ np.array([[c, -s], [s, c]]))

@@ -127,7 +127,8 @@ SHAPE = "part,closed,x,y,radius\n0,1,0,0,0.01\n0,1,0.2,0,0.01\n0,1,0.1,0.15,0.01
 
 
 def test_restart_with_files_and_the_queue(cell, tmp_path):
-    """A triangle of a shape file hits the floor and a held capsule; another one enters; a restart in the midst changes no bit."""
+    """A triangle of a shape file hits the floor and a held capsule; another one enters, and all rub; a restart in the midst changes no
+    bit."""
     (tmp_path / "shape.csv").write_text(SHAPE)
     (tmp_path / "particles.csv").write_text("id,x,y,radius,density,theta,v,shape\n"
         f"4,0.3,0.1,1,2,0.3,-0.5,{tmp_path / 'shape.csv'}\n7,0.3,0.5,0.08,2,0,0,\n")
@@ -135,7 +136,7 @@ def test_restart_with_files_and_the_queue(cell, tmp_path):
         queueShape(bodyShaped("{tmp_path / 'shape.csv'}", 0.7, 0.7, 0.2, 3), 0.05); }}"""
     (tmp_path / "scene.edp").write_text(case(bodies, more=WORDS, mu=0.02, gravity=-10))
     whole, broken = broken_off([tmp_path / "scene.edp", "-mesh", cell, "-every", "0", "-tend", "0.2", "-forces", "1", "-particles",
-        tmp_path / "particles.csv", "-checkpoint", "5"], tmp_path, 15)
+        tmp_path / "particles.csv", "-checkpoint", "5", "-friction", "0.3"], tmp_path, 15)
     table = numbers(whole, "particles.csv")
     assert set(table["id"]) == {0, 4, 7, 8} and table["t"][table["id"] == 8].min() > 0.04
     assert numbers(whole, "contacts.csv")["t"].min() < 0.15 and set(numbers(whole, "outlines.csv")["id"]) == {0, 4, 7, 8}
@@ -144,7 +145,7 @@ def test_restart_with_files_and_the_queue(cell, tmp_path):
 
 
 @pytest.mark.parametrize("words, scene, word", [
-    pytest.param(["-scheme", "published"], {}, "published", marks=pytest.mark.slow), (["-friction", 0.3], {}, "friction"),
+    pytest.param(["-scheme", "published"], {}, "published", marks=pytest.mark.slow), (["-restitution", 0.3, "-friction", 0.3], {}, "restitution"),
     pytest.param(["-film", 1], {}, "film", marks=pytest.mark.slow),
     ([], {"walls": "labelLeft, labelRight, labelBottom", "slip": "labelTop"}, "symmetry")])
 def test_what_shapes_do_not_take_is_refused(words, scene, word, cell, freefem_text):

@@ -134,7 +134,7 @@ def couette(freefem, tmp_path):
         script, table = tmp_path / f"{name}.edp", tmp_path / f"{name}.csv"
         script.write_text(CASE.replace(LONE, ""))
         table.write_text(HEAD + "".join(f"{','.join(map(str, row))}\n" for row in disks))
-        freefem(script, "-particles", table, "-reynolds", "10", "-dt", "0.005", "-tend", end, "-every", "0", "-out",
+        freefem(script, "-particles", table, "-reynolds", "10", "-dt", "0.005", "-tend", end, "-every", "0", "-film", "0", "-out",
             tmp_path / name)
         done = RunFolder(tmp_path / name)
         return done.table("fluid"), done.table("particles")
@@ -173,8 +173,8 @@ def test_a_plate_holds_an_ellipse_over_the_seam(freefem, tmp_path):
         script, table = tmp_path / f"{name}.edp", tmp_path / f"{name}.csv"
         script.write_text(CASE.replace(LONE, ""))
         table.write_text(f"id,x,y,radius,density,u,v,omega,aspect,theta\n0,{x},0.7,0.2,500,0,2,0,0.4,-0.6\n")
-        freefem(script, "-particles", table, "-reynolds", "10", "-dt", "0.0025", "-tend", "0.3", "-every", "0", "-out",
-            tmp_path / name)
+        freefem(script, "-particles", table, "-reynolds", "10", "-dt", "0.0025", "-tend", "0.3", "-every", "0", "-film", "0",
+            "-out", tmp_path / name)
         rows = RunFolder(tmp_path / name).table("particles")
         height = 0.2 * np.hypot(np.sin(rows["theta"]), 0.4 * np.cos(rows["theta"]))
         lowest.append((1 - rows["y"] - height).min())

@@ -128,9 +128,8 @@ def test_held_and_pinned_ellipses(scene):
     assert np.hypot(end["u"][1], end["v"][1] + 0.03 * G) > 0.01 and end["omega"][2] < -1
 
 
-@pytest.mark.parametrize("words", [("-restitution", 0.5), *(pytest.param(more, marks=pytest.mark.slow)
-    for more in [("-cohesion", 0.1), ("-contact-form", "ballistic")])])
+@pytest.mark.parametrize("words", [("-cohesion", 0.1), pytest.param(("-contact-form", "ballistic"), marks=pytest.mark.slow)])
 def test_what_ellipses_do_not_take_is_refused(words, freefem_text, tmp_path):
     text = SCENE.format(bodies=ellipse(0, 0.1, R, 0.5 * R, 0.1), walls="contactWallSegment(-1, 0, 1, 0);", gravity=(0.0, -G))
     assert_refused(freefem_text(text, "-tend", 0.01, "-out", tmp_path / "run", *words, check=False), [3],
-        "ellipses take neither -restitution nor -cohesion nor -contact-form ballistic")
+        "ellipses take neither -cohesion nor -contact-form ballistic")

@@ -15,12 +15,14 @@ def end(freefem_text, folder, bodies, *words, walls="", gravity=0.0):
     return {name: np.asarray(column)[last] for name, column in table.items()}, read_table(folder / "motion.csv"), table
 
 
-@pytest.mark.parametrize("dt", [0.004, 0.001])
-def test_a_ball_bounces_at_its_exact_times(dt, freefem_text, tmp_path):
-    """From 1 m, e = 0.8: flights of 2 v e^k/g. What is off is the first fall, g dt t/2, which is that of the time scheme."""
-    _, _, table = end(freefem_text, tmp_path / "run", "bodyDisk(0, 1.1, 0.1, 1000);", "-restitution", 0.8, "-dt", dt, "-tend", 3,
-        "-every", 0.02, walls="contactWallSegment(-10, 0, 10, 0);", gravity=-9.81)
-    g, e = 9.81, 0.8
+@pytest.mark.parametrize("dt, e", [(0.004, 0.8), (0.001, 0.8), (0.004, 1)])
+def test_a_ball_bounces_at_its_exact_times(dt, e, freefem_text, tmp_path):
+    """From 1 m: flights of 2 v e^k/g. What is off is the first fall, g dt t/2, which is that of the time scheme. (With e = 1 the
+    velocities of the steps gain what gravity adds between the collision and the middle of its step, which counted as energy from
+    nothing: e was halved.)"""
+    _, _, table = end(freefem_text, tmp_path / "run", "bodyDisk(0, 1.1, 0.1, 1000);", "-restitution", e, "-dt", dt, "-tend", 3,
+        "-every", 0.02, "-friction", 0.3 if e == 1 else 0, walls="contactWallSegment(-10, 0, 10, 0);", gravity=-9.81)
+    g = 9.81
     fall = np.sqrt(2 / g)
     speed, exact = g * fall, []
     for t in table["t"]:

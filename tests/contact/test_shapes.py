@@ -306,7 +306,7 @@ def test_what_makes_no_scene_is_refused(bodies, status, words, scene):
     assert done.returncode == status and words in done.stderr, done.stderr
 
 
-@pytest.mark.parametrize("option", [("-restitution", 0.5)])
+@pytest.mark.parametrize("option", [("-cohesion", 0.5)])
 def test_options_that_shapes_do_not_take_are_refused(option, scene):
     done = scene([capsule(0, 1, 0.1, 0.1, 0)], [], "-dt", 0.01, "-tend", 0.02, *option, check=False)
     assert done.returncode == 3 and "bodies of any shape take neither" in done.stderr

@@ -11,6 +11,7 @@ import pytest
 
 from tests.conftest import ROOT, make_mesh, run_freefem
 from tests.processes import LIMIT, assert_near, assert_same, compare, ranks, why_not
+from tests.tables import numbers
 from tools.base.ranks import MPI_ENVIRONMENT, launcher
 
 PIPE = ["cases/pipe_obstacles.edp", "-number", "12", "-first", "0", "-interval", "0.01", "-ramp", "0.05", "-every", "0"]
@@ -21,18 +22,36 @@ def test_free_bodies_with_forces(tmp_path):
     compare(2, tmp_path, "cases/template.edp", "-tend", "0.01", "-every", "0", "-forces", "1", "-wallforces", "1")
 
 
+def test_periodic_sides(tmp_path):
+    """Disks that meet across the period along x, and one in the four corners of a box that is periodic both ways, on three parts."""
+    (tmp_path / "disks.csv").write_text("id,x,y,radius,density,u,v,omega\n1,0.9,0.62,0.08,1.5,2,0,0\n2,0.07,0.63,0.08,1.5,0,0,0\n"
+        "3,0.01,0.98,0.1,1.5,1,1,3\n")
+    folder = compare(3, tmp_path, "cases/carried_disk.edp", "-particles", tmp_path / "disks.csv", "-tend", "0.02", "-every", "0",
+        "-fluxes", "1", "-forces", "1")
+    met = numbers(folder, "particles.csv")
+    assert met["v"][met["id"] == 2][-1] > 0  # moved by the disk that met it across the period
+
+
+def test_films_and_a_start_from_another_run(tmp_path):
+    """A disk close to a floor, with the film below it, that another run on a coarser mesh has brought there."""
+    words = ["cases/sinking_disk.edp", "-gap", "0.03", "-every", "0"]
+    mesh = make_mesh(tmp_path / "coarse.mesh", "box", "--size", 0.09)
+    run_freefem(*words, "-mesh", mesh, "-tend", "0.0075", "-checkpoint", "100", "-out", tmp_path / "begun")
+    folder = compare(2, tmp_path, *words, "-start", tmp_path / "begun", "-tend", "0.0225")
+    assert abs(numbers(folder, "sinking.csv")["ratio"][-1] - 1) < 0.1  # 40 without the film
+
+
 def test_one_line_and_its_status_end_all_processes():
     if why_not():
         pytest.skip(why_not())
-    run = subprocess.run([sys.executable, "-m", "tools.run", "-n", "2", "cases/sinking_disk.edp"], cwd=ROOT,
+    run = subprocess.run([sys.executable, "-m", "tools.run", "-n", "2", "cases/heap.edp"], cwd=ROOT,
         capture_output=True, text=True, timeout=LIMIT)
     lines = [line for line in run.stderr.splitlines() if line.startswith("error: ")]
-    assert run.returncode == 3 and len(lines) == 1 and "films" in lines[0], run.stdout[-2000:] + run.stderr
+    assert run.returncode == 3 and len(lines) == 1 and "contacts" in lines[0], run.stdout[-2000:] + run.stderr
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("words, said", [
-    (["cases/sheared_suspension.edp"], "periodic sides"),
     (["cases/cavity.edp"], "steady flows"),
     (["cases/heap.edp"], "contacts without a flow"),
     (["cases/falling_spheres.edp"], "contacts without a flow"),
@@ -73,11 +92,21 @@ def test_a_flow_alone(tmp_path, words):
     ["cases/rolling_disk.edp", "-tend", "0.02", "-every", "0"],
     ["cases/settling_disk.edp", "-tend", "0.0125", "-budget", "1"],
     ["cases/drafting_kissing_tumbling.edp", "-tend", "0.005"],
+    ["cases/sheared_suspension.edp", "-tend", "0.1", "-every", "0", "-radius", "0.14", "-fluxes", "1"],
+    ["cases/ellipse_in_shear.edp", "-tend", "0.1"],
+    ["cases/sheared_suspension.edp", "-tend", "0.1", "-every", "0", "-radius", "0.14", "-fraction", "0.35", "-film", "1"],
     # slow flow: coarse correction, pressure around bodies; what is rounding at the start is not at the end of many iterations
     ["cases/template.edp", "-tend", "0.0025", "-mu", "1000", "-tolerance", "1e-10"],
 ])
 def test_bodies(tmp_path, words):
     compare(2, tmp_path, *words)
+
+
+@pytest.mark.slow
+def test_a_flow_that_starts_from_another_run(tmp_path):
+    mesh = make_mesh(tmp_path / "coarse.mesh", "cylinder_channel", "--size", 0.06)
+    run_freefem("cases/cylinder_channel.edp", "-mesh", mesh, "-tend", "0.1", "-checkpoint", "1000", "-out", tmp_path / "begun")
+    compare(2, tmp_path, "cases/cylinder_channel.edp", "-start", tmp_path / "begun", "-tend", "0.12", "-every", "0")
 
 
 @pytest.fixture(scope="module")

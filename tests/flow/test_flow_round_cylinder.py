@@ -5,6 +5,7 @@ import pytest
 from tests.conftest import mesh, run_freefem
 from tests.scenes import THROUGH
 from tools.base.tables import read_table
+from tools.validation.particles import reference
 
 
 @pytest.fixture(scope="module")
@@ -81,3 +82,15 @@ def test_vortices_behind_the_cylinder(meshes, run_folder):
     late = force["t"] > 5
     assert 20 * force["force_x"][late].max() == pytest.approx(3.2274, rel=0.005)
     assert 20 * np.ptp(force["force_y"][late]) == pytest.approx(2.00787, rel=0.005)
+
+
+@pytest.mark.slow
+def test_a_started_cylinder_follows_the_published_drag(meshes, tmp_path):
+    """Reynolds number 1000, t U/R from 0.3 to 1.6 (Koumoutsakos & Leonard 1995, digitised: about 1 % of the maximum of 1.3)."""
+    coarse = mesh(meshes, "started_cylinder", "--circle-points", 160, "--growth", 0.15)
+    run_freefem("cases/started_cylinder.edp", "-mesh", coarse, "-tend", 0.8, "-out", tmp_path / "run")
+    force = read_table(tmp_path / "run" / "forces.csv")
+    at, target = reference("started_cylinder_re1000_koumoutsakos1995")
+    there = (at > 0.3) & (at < 1.6)
+    off = np.interp(at[there], 2 * force["t"], 2 * force["force_x"]) - target[there]
+    assert abs(off).mean() < 0.05 * target[there].mean()

@@ -30,7 +30,7 @@ from tools.bench.rounds import collect, earlier, run_rounds
 from tools.bench.scaling import scaling_jobs
 from tools.bench.flow import MULTIPLIERS, TENSORIAL
 from tools.bench.scenes import OURS, PUBLISHED, contact_jobs, flow_jobs, particle_jobs, suspension_jobs
-from tools.bench.spheres import sphere_jobs
+from tools.bench.spheres import fall_jobs, sphere_jobs
 from tools.bench.transport import transport_jobs
 from tools.peers import contact_packages as bench_contacts
 from tools.peers import with_liggghts
@@ -76,7 +76,8 @@ def jobs_of(part, there, out, quick, limit):
                 MULTIPLIERS)}}, {name: those[:2] for name, those in turn.items()}, {}
         lattice = ([0, 1] if quick else [0, 1, 2, 3]) if "lbmpy" in there else []
         return (particle_jobs(out, settle, lattice, turn, limit, two)
-                + suspension_jobs(out, {OURS: (20, 5), PUBLISHED: (3, 1)}, limit))
+                + suspension_jobs(out, {OURS: (20, 5), PUBLISHED: (3, 1)}, limit)
+                + fall_jobs(out, quick, "lbmpy" in there, limit))
     if part == "contacts":
         if quick:
             return contact_jobs([500, 2000], 1e-8, 500, [1e-4, 1e-8], qp, 20)
@@ -102,7 +103,7 @@ def jobs_of(part, there, out, quick, limit):
 
 
 # Minutes of a part after which no further round begins; what is skipped takes 7 and 1.
-SHARES = {False: {"flow": 16, "particles": 8, "contacts": 6, "discrete": 3, "transport": 1, "scaling": 6},
+SHARES = {False: {"flow": 16, "particles": 12, "contacts": 6, "discrete": 3, "transport": 1, "scaling": 6},
           True: {"flow": 0.6, "particles": 1, "contacts": 0.6, "discrete": 0.5, "transport": 0.2, "scaling": 0.7}}
 
 

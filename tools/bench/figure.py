@@ -23,6 +23,7 @@ SHORT = {("flow", "2d1"): "DFG 2D-1, drag", ("flow", "2d2"): "DFG 2D-2, worst of
     ("particles", "settling"): "settling disk, velocity",
          ("particles", "turning"): "disk in shear, rotation",
          ("particles", "pair"): "two settling disks, heights",
+         ("particles", "sphere"): "settling sphere, peak speed",
          ("discrete", "discharge"): "500 disks leave an hourglass",
          ("discrete", "fall"): "50 falling disks, own limits", ("discrete", "fall, common limit"): "50 falling disks, common limit",
          ("discrete", "fall, without the start"): "50 falling disks, without starts",

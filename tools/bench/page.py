@@ -15,6 +15,7 @@ TITLES = {
     ("flow", "cavity"): "Lid-driven cavity at Reynolds number 1000: largest error of the extrema on the centrelines",
     ("particles", "settling"): "Settling disk: mean velocity over 0.3 to 0.4 s",
     ("particles", "pair"): "Two settling disks: heights at 0.15 s",
+    ("particles", "sphere"): "Settling sphere in the whole box: peak speed, against the experiment",
     ("particles", "turning"): "Disk turning between sheared plates, R/H = 0.25",
     ("particles", "suspension"): "A step with 50 disks in the pipe",
     ("discrete", "discharge"): "500 disks leave an hourglass: time of half of them, against the common limit",

@@ -36,6 +36,8 @@ CASES = {
     "cylinder_channel": (cylinder_channel, {}),
     "cylinder_steady": (cylinder_channel, {"size": 0.06, "circle_points": 64, "growth": 0.12, "wake_factor": 1.3,
         "wake_growth": 0.04}),
+    "started_cylinder": (cylinder_channel, {"length": 50.0, "height": 50.0, "size": 4.0, "radius": 0.5, "centre": [16.0, 25.0],
+        "circle_points": 320, "growth": 0.1, "wake_factor": 4.0}),
     "backward_step": (backward_step, {}),
     "sudden_expansion": (sudden_expansion, {}),
     "periodic_box": (periodic_box, {}),
@@ -66,6 +68,7 @@ CASES = {
     "held_sphere": (space_stream, {}),
     "pipe_spheres": (space_pipe, {}),
     "sphere_array": (space_cell, {"size": 0.5 / 8}),
+    "sphere_lattice": (space_cell, {"size": 1 / 8, "length": 1.0, "width": 1.0, "height": 1.0, "octants": "mirrored"}),
     "ellipse_in_shear": (couette, {"length": 2.0, "size": 1 / 80, "core": 0.3}),
 }
 # All that python -m tools.mesh knows: the cases, and what has no default mesh.

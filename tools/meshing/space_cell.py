@@ -1,13 +1,14 @@
 """A block of tetrahedra [0, length] x [0, width] x [0, height] whose sides have names: cells of arrays, ducts, channels.
 
-The cells of a grid cut into six tetrahedra. Labels: left, right (x), front, back (y), bottom, top (z).
+The cells of a grid cut into six tetrahedra, all alike or as the mirror images of those in the lowest octant. Opposite sides match.
+Labels: left, right (x), front, back (y), bottom, top (z).
 """
 import numpy as np
 
 from tools.base.command import BadInput
 from tools.meshing.labels import LABELS
 from tools.meshing.options import add_length, add_size
-from tools.meshing.space_mesh import boxes
+from tools.meshing.space_mesh import boxes, finished
 from tools.meshing.structured import even
 
 
@@ -16,6 +17,8 @@ def add_options(parser):
     add_length(parser, "--length", 0.5, "M", "length along x")
     add_length(parser, "--width", 0.5, "M", "length along y")
     add_length(parser, "--height", 0.5, "M", "length along z")
+    parser.add_argument("--octants", choices=["alike", "mirrored"], default="alike",
+        help="cells of the grid all alike, or mirrored at the middle planes (default %(default)s)")
 
 
 def build(options):
@@ -30,4 +33,19 @@ def build(options):
             labels[centres[:, axis] > (1 - 1e-9) * lengths[axis]] = LABELS[names[1]]
         return labels
 
-    return None, boxes(*(even(0, length, options.size) for length in lengths), label_of)
+    if options.octants == "alike":
+        return None, boxes(*(even(0, length, options.size) for length in lengths), label_of)
+    octant = boxes(*(even(0, length / 2, options.size) for length in lengths), lambda centres: np.ones(len(centres), dtype=int))
+    points, tetrahedra = octant.points, octant.tetrahedra
+    for axis in range(3):
+        points, tetrahedra = with_image(points, tetrahedra, axis, lengths[axis] / 2)
+    return None, finished(points, tetrahedra, label_of)
+
+
+def with_image(points, tetrahedra, axis, at):
+    """Points (n, 3) and tetrahedra (m, 4) with their mirror image at the plane `axis` = at, on which points are taken once."""
+    image = points.copy()
+    image[:, axis] = 2 * at - image[:, axis]
+    new = np.abs(points[:, axis] - at) > 1e-9 * at
+    number = np.where(new, len(points) + np.cumsum(new) - 1, np.arange(len(points)))
+    return np.concatenate([points, image[new]]), np.concatenate([tetrahedra, number[tetrahedra]])

@@ -1,4 +1,5 @@
-"""A cylinder in a wide stream, as a held body in the mesh: steady, shedding, started, started and rotating, moved across.
+"""A cylinder in a wide stream: as a held body in the mesh steady, shedding, started, started and rotating, moved across; with a mesh
+that fits it, started and started and rotating.
 
 Wu, Shu, Zhao & Zhou (2009) as quoted by PacIFiC (cylinder-unbounded.c); Koumoutsakos & Leonard (1995); Chen, Ou & Pearlstein
 (1993); Schneiders et al. (2013), figure 9: the drag at the frequency 0.8 f0 and its range. The bounds were set before the runs. The
@@ -10,24 +11,25 @@ import numpy as np
 from tools.plot.style import curve, save
 from tools.validation.particles import axes_of, points, reference
 
-CASE = "cases/cylinder_in_stream.edp"
+CASE, FITTED = "cases/cylinder_in_stream.edp", "cases/started_cylinder.edp"
 WU, MOVED = "Wu et al. 2009", "Schneiders et al. 2013, figure 9"
 
 
 def drag(run, since=0.0):
-    """t, C_D, C_L of a run after a time."""
+    """t, C_D, C_L of a run after a time; of a body's forces, or of those on a boundary."""
     table = run.folder.table("forces")
-    late = table["t"] >= since
-    return table["t"][late], 2 * table["fx"][late], 2 * table["fy"][late]
+    late, (along, across) = table["t"] >= since, ("fx", "fy") if "fx" in table else ("force_x", "force_y")
+    return table["t"][late], 2 * table[along][late], 2 * table[across][late]
 
 
-def followed(context, name, file, source, options, mesh, since, allowed):
-    """A drag that is compared with a digitised curve over t U/R: the mean distance from it, over its mean."""
-    run = context.run(CASE, {"-every": 0, **options}, name, mesh=mesh)
+def followed(context, name, file, source, options, mesh, since, allowed, case=CASE, label="held body"):
+    """A drag that is compared with a digitised curve over t U/R: the mean distance from it, over its mean.
+    (Ten parameters: a run, and what it is compared with.)"""
+    run = context.run(case, {"-every": 0, **options}, name, mesh=mesh)
     t, found, _ = drag(run)
     at, target = reference(file)
     figure, axes = axes_of()
-    axes.plot(2 * t, found, **curve(0), label="held body")
+    axes.plot(2 * t, found, **curve(0), label=label)
     points(axes, at, target, source)
     axes.set_ylim(0, 1.6 * max(target))
     axes.set_xlim(0, 1.02 * at[-1])
@@ -71,9 +73,26 @@ def started_rotating_cylinder(context):
         {"-reynolds": 200, "-spin": 1, "-tend": 12}, ("cylinder_in_stream", 1 / 24), 1.0, 0.05)
 
 
+def fitted_cylinder(context):
+    """Started at Reynolds numbers of 1000 and 9500, and with rotation at 200, on meshes that fit the cylinder: drag over time."""
+    fitted = {"case": FITTED, "label": "fitted mesh"}
+    yield followed(context, "fitted", "started_cylinder_re1000_koumoutsakos1995", "Koumoutsakos & Leonard 1995",
+        {"-reynolds": 1000}, None, 0.5, 0.05, **fitted)
+    yield followed(context, "fitted_rotating", "started_rotating_cylinder_chen1993_fig22",
+        "Chen, Ou & Pearlstein 1993, figure 22", {"-reynolds": 200, "-spin": 1, "-tend": 12}, None, 1.0, 0.05, **fitted)
+
+
+def thin_layer(context):
+    """Started at a Reynolds number of 9500 on a mesh that fits the cylinder: drag over time. (The longest run of all.)"""
+    yield followed(context, "thin_layer", "started_cylinder_re9500_koumoutsakos1995", "Koumoutsakos & Leonard 1995",
+        {"-reynolds": 9500, "-tend": 2}, ("started_cylinder", 4, "--circle-points", "1500", "--growth", "0.06", "--wake-factor", "8"),
+        0.5, 0.05, case=FITTED, label="fitted mesh")
+
+
 def moved_across(context):
     """Moved across the stream at Reynolds number 185 and 0.8 of the natural frequency: mean drag and its range."""
-    run = context.run(CASE, {"-reynolds": 185, "-amplitude": 0.2, "-frequency": 0.156, "-tend": 40, "-every": 0}, "moved")
+    run = context.run(CASE, {"-reynolds": 185, "-amplitude": 0.2, "-frequency": 0.156, "-stabilise": 0.1, "-tend": 90,
+        "-every": 0}, "moved")
     table, track = run.folder.table("forces"), run.folder.tracks[0]
     late = table["t"] > table["t"][-1] - 3 / 0.156
     t, along = table["t"][late], 2 * table["fx"][late]
@@ -91,4 +110,5 @@ def moved_across(context):
         rtol=0.3, **cost)
 
 
-VALIDATIONS = [steady_stream, shedding_stream, started_cylinder, started_rotating_cylinder, moved_across]
+VALIDATIONS = [steady_stream, shedding_stream, started_cylinder, started_rotating_cylinder, fitted_cylinder, thin_layer,
+    moved_across]

@@ -1,5 +1,8 @@
 """Spheres in three dimensions: a cubic array, a turning sphere, spheres that settle in a box, light and heavy ones, a wake."""
 import numpy as np
+from scipy.integrate import quad
+
+from tools.peers.spheres_slow import approach
 
 # ten Cate et al., Phys. Fluids 14 (2002) 4012: speed of the unbounded fall (m/s), peak speed over it, end (s) and step (s) of a
 # run.
@@ -33,6 +36,21 @@ def arrays(context):
                 mesh=("sphere_array", 0.5 / cells))
             yield context.row(f"drag at a solid fraction of {fraction}, {2 * cells * across:.1f} elements to the diameter",
                 "Zick & Homsy 1982", exact, run.folder.columns("array")["drag"][-1], rtol=within, cpu_s=run.cpu_s)
+
+
+def lattices(context):
+    """Drag in periodic cells with 16 elements on a side: the symmetric eighth of the simple lattice, to rounding; Hasimoto."""
+    for lattice, fraction, source in (("simple", 0.064, "the symmetric eighth"), ("body", 0.027, "Hasimoto 1959"),
+            ("face", 0.027, "Hasimoto 1959")):
+        run = context.run("cases/sphere_lattice.edp", {"-lattice": lattice, "-fraction": fraction}, f"lattice_{lattice}",
+            mesh=("sphere_lattice", 1 / 16))
+        if lattice == "simple":
+            eighth = context.run("cases/sphere_array.edp", {"-fraction": fraction}, "lattice_eighth", mesh=("sphere_array", 1 / 16))
+            exact = eighth.folder.columns("array")["drag"][-1]
+        else:
+            exact = 1 / (1 - 1.791 * fraction ** (1 / 3) + fraction - (0.329 if lattice == "body" else 0.302) * fraction**2)
+        yield context.row(f"drag in a periodic cell, {lattice} lattice, at a solid fraction of {fraction}", source, exact,
+            run.folder.columns("array")["drag"][-1], rtol=1e-6 if lattice == "simple" else 0.015, cpu_s=run.cpu_s)
 
 
 def turned(context):
@@ -69,6 +87,13 @@ def settling(context):
     run = context.run("cases/settling_sphere.edp", {}, "whole_4", mesh=mesh)
     yield context.row("oil 4, whole box with six motions against a quarter, 4 elements: peak speed", "the quarter", peaks[4, 4],
         -run.folder.columns("particles")["w"].min() / OILS[4][0], rtol=0.01, cpu_s=run.cpu_s)
+    for part, elements, within in (("whole", 8, 0.015), ("quarter", 10, 0.012)):
+        mesh = context.mesh("settling_sphere", 2 * RADIUS / elements, "--part", part, "--corridor", f"{1.4 * RADIUS:g}", "--coarse",
+            str(elements))
+        run = context.run("cases/settling_sphere.edp", {"-tend": 0.95}, f"narrow_{part}", mesh=mesh)
+        yield context.row(f"oil 4, {part} box, {elements} elements, a narrow corridor: peak speed",
+            "ten Cate et al. 2002, table II", OILS[4][1], -run.folder.columns("particles")["w"].min() / OILS[4][0],
+            rtol=within, cpu_s=run.cpu_s)
 
 
 def released(ratio, end, viscosity, gravity=9.81, steps=2000):
@@ -178,6 +203,31 @@ def towards(context):
             1 / (1 - 1.903266 / 10), force, rtol=0.02, cpu_s=run.cpu_s)
 
 
+FALLING = TOWARDS.replace('"towards", "a held sphere moves towards a floor"', '"falling", "a sphere falls onto a floor"').replace(
+    "gravityZ = 0", "gravityZ = -0.045").replace("fill();", "bodySphere(0, 0, 1 + gap, R, 1.01);")
+
+
+def falling(context):
+    """Time of a fall in slow flow from 0.9 to 0.02 radii above a floor with films: 10 %; each part of it: 25 %."""
+    script = context.out / "falling.edp"
+    script.parent.mkdir(parents=True, exist_ok=True)
+    script.write_text(FALLING)
+    gaps = np.array([0.9, 0.5, 0.25, 0.1, 0.05, 0.02])
+    exact = 100 * np.array([quad(approach, low, high)[0] for high, low in zip(gaps, gaps[1:])])
+    for elements, step in ((2, 5), (2, 1.25), (4, 2.5)):
+        mesh = context.mesh("settling_sphere", 1 / elements, "--width", "24", "--height", "24", "--corridor", "1.5",
+            "--corridor-top", "3.3", "--growth", "8", "--coarse", "8")
+        run = context.run(script.resolve(), {"-gap": 0.95, "-film": 1, "-dt": step, "-tend": 600}, f"falling_{elements}_{step}",
+            mesh=mesh)
+        rows = run.folder.columns("particles")
+        times = np.diff(np.interp(-gaps, 1 - rows["z"], rows["t"]))
+        words = f"sphere that falls onto a floor, {2 * elements} elements to the diameter, steps of {step / 100} R/V"
+        yield context.row(f"{words}: time from 0.9 to 0.02 radii over the exact one", "Brenner 1961", 1, times.sum() / exact.sum(),
+            rtol=0.1, cpu_s=run.cpu_s)
+        yield context.row(f"{words}: the worst of five parts", "Brenner 1961", 1, (times / exact)[abs(times / exact - 1).argmax()],
+            rtol=0.25, cpu_s=run.cpu_s)
+
+
 def closed(context):
     """Budget of the closed box: the parts of momentum and energy that are missing, for two steps and two meshes."""
     for elements in (4, 8):
@@ -197,7 +247,7 @@ def closed(context):
 
 def spheres(context):
     """All of these."""
-    for part in (arrays, turned, settling, densities, held, two, towards, closed):
+    for part in (arrays, lattices, turned, settling, densities, held, two, towards, falling, closed):
         yield from part(context)
 
 

@@ -1,0 +1,99 @@
+"""Periodic sides in three dimensions: lattices of fixed spheres, spheres that pass a side, contacts across it, refusals."""
+import numpy as np
+import pytest
+
+from tests.conftest import make_mesh
+from tools.base.tables import read_table
+
+SPACES = """
+macro flowSpaces() fespace spaceWh(Th, P2, periodic = [[labelLeft, y, z], [labelRight, y, z], [labelFront, x, z],
+    [labelBack, x, z]]); fespace spaceQh(Th, P1, periodic = [[labelLeft, y, z], [labelRight, y, z], [labelFront, x, z],
+    [labelBack, x, z]]); // EOM
+"""
+# Two spheres between plates, carried and pushed together; the cell is periodic along x and y. -x and -y shift the scene.
+SCENE = """
+include "lib/spheres/case.idp"
+optCase("scene", "two spheres in a periodic cell");
+optDefault("-dt", "0.02"); optDefault("-tend", "0.6"); optDefault("-cfl", "0"); optDefault("-tolerance", "1e-9");
+real dx0 = optReal("-x", 0, "", ""), dy0 = optReal("-y", 0, "", "");
+real rhoFluid = 1, mu = 0.1, gravityX = 0, gravityY = 0, gravityZ = 0;
+int[int] flowNoSlip = [labelBottom, labelTop], flowMoving(0), flowOutlet(0), flowSlip(0);
+{spaces}
+macro flowPeriodicLabels() [{labels}] // EOM
+macro flowForceX() 2. // EOM
+func real boundaryRamp(real t) {{ return 1; }}
+func int fill() {{
+    sphereMoves(bodySphere(0.8 + dx0, 0.52 + dy0, 0.47, {radius}, 8), 2, 0.3, 0);
+    sphereMoves(bodySphere(0.4 + dx0, 0.47 + dy0, 0.52, {radius}, 8), 0, -0.2, 0.1);
+    return sphereN;
+}}
+macro caseParticles() fill(); {more} // EOM
+include "scripts/spheres.edp"
+"""
+LABELS = "labelLeft, labelRight, labelFront, labelBack"
+
+
+def scene(spaces=SPACES, labels=LABELS, radius=0.2, more=""):
+    return SCENE.format(spaces=spaces, labels=labels, radius=radius, more=more)
+
+
+@pytest.fixture(scope="module")
+def cell(tmp_path_factory):
+    """A cube of side 1, six elements on a side."""
+    return make_mesh(tmp_path_factory.mktemp("cell") / "cell.mesh", "sphere_lattice", "--size", 1 / 6, "--octants", "alike")
+
+
+def apart(a, b):
+    """Largest distance of coordinates modulo 1."""
+    return abs((a - b + 0.5) % 1 - 0.5).max()
+
+
+def test_a_scene_that_is_shifted_across_the_sides_is_the_same(cell, freefem_text, tmp_path):
+    """By three and four elements: spheres pass the sides at other times, touch across them or within the cell, and move alike."""
+    runs = []
+    for k, (x, y) in enumerate(((0, 0), (0.5, 2 / 3))):
+        freefem_text(scene(), "-mesh", cell, "-x", x, "-y", y, "-out", tmp_path / f"run{k}")
+        rows, fluid = read_table(tmp_path / f"run{k}/particles.csv"), read_table(tmp_path / f"run{k}/fluid.csv")
+        assert rows["x"].min() >= 0 and rows["x"].max() < 1
+        assert max(abs(np.diff(rows["x"][rows["id"] == one])).max() for one in (0, 1)) > 0.5
+        assert fluid["contacts"].max() == 1 and fluid["worst_gap"].min() > -1e-6 * 0.2
+        runs.append((rows, x, y))
+    (first, *_), (second, x, y) = runs
+    assert apart(first["x"] + x, second["x"]) < 1e-6 and apart(first["y"] + y, second["y"]) < 1e-6
+    assert abs(first["w"] - second["w"]).max() < 1e-6 and abs(first["omega_y"] - second["omega_y"]).max() < 1e-5
+
+
+def test_a_periodic_cell_is_the_symmetric_eighth(freefem, tmp_path):
+    """On a mesh with the mirror images of the cells of the eighth, to rounding: 4 elements to the diameter."""
+    mesh, found = make_mesh(tmp_path / "eighth.mesh", "sphere_array", "--size", 0.125), []
+    for case, options in (("sphere_array", ["-mesh", mesh]), ("sphere_lattice", [])):
+        freefem(f"cases/{case}.edp", *options, "-tend", 0.1, "-tolerance", 1e-9, "-out", tmp_path / case)
+        found.append(read_table(tmp_path / case / "array.csv")["drag"])
+    assert found[0] == pytest.approx(found[1], rel=1e-8)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lattice, exact", [("simple", 2.810), ("body", None), ("face", None)])
+def test_drag_in_lattices(lattice, exact, freefem, tmp_path):
+    """Zick & Homsy (1982) at a solid fraction of 0.064 with 4 elements to the diameter; Hasimoto (1959) at 0.027, with 4.7 and 3.7.
+    The lattice is shifted across the sides."""
+    options = ["-x", 0.03, "-y", 0.97, "-z", 0.02, "-tend", 0.6]
+    if not exact:
+        c, b = 0.027, 0.329 if lattice == "body" else 0.302
+        exact = 1 / (1 - 1.791 * c ** (1 / 3) + c - b * c**2)
+        mesh = make_mesh(tmp_path / "fine.mesh", "sphere_lattice", "--size", 1 / 16)
+        options = ["-lattice", lattice, "-fraction", c, "-mesh", mesh, "-tend", 1]
+    freefem("cases/sphere_lattice.edp", *options, "-out", tmp_path / "run")
+    assert read_table(tmp_path / "run/array.csv")["drag"][-1] == pytest.approx(exact, rel=0.015)
+
+
+@pytest.mark.parametrize("change, status, said", [
+    ({"spaces": ""}, 3, "not periodic as the sides"),
+    ({"labels": "-1"}, 3, "for which the case has no condition"),
+    ({"labels": "labelLeft, labelFront, labelBack"}, 3, "normal to x are not one on each side"),
+    ({"radius": 0.5001}, 5, "overlaps its image"),
+    ({"more": "sphereWaits(0.2, 0.2, 0.5, 0.1, 1, 0.1);"}, 3, "not for periodic sides"),
+])
+def test_what_is_not_a_periodic_scene_is_refused(change, status, said, cell, freefem_text, tmp_path):
+    run = freefem_text(scene(**change), "-mesh", cell, "-out", tmp_path / "run", check=False)
+    assert run.returncode == status and said in run.stderr and run.stderr.count("\n") == 1
