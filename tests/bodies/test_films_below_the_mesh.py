@@ -42,7 +42,7 @@ def test_a_disk_sinks_to_the_floor_as_the_exact_resistance_says(x, step, box, fr
     walls where nu dt > h^2/2."""
     _, gap, speed = sink(freefem_text, tmp_path / "run", box, 0.16, 8.5, x=x, step=step)
     late = (gap < 0.12) & (np.arange(len(gap)) * step > 0.4)  # it starts from rest
-    ratio = WEIGHT / speed / exact(gap)
+    ratio = (WEIGHT - 2 * np.pi * np.gradient(speed, step)) / speed / exact(gap)  # less what accelerates it
     # for some steps after another vertex has been left out
     assert gap.min() < 0.041 and 0.85 < ratio[late].min() and ratio[late].max() < 1.25
     assert 0.94 < np.median(ratio[late]) < 1.1

@@ -19,7 +19,7 @@ def test_budgets_and_shapes_outlive_a_restart(shaft, tmp_path):
 
 def test_ellipses_that_touch_go_on_after_a_restart_bit_for_bit(tmp_path):
     mesh = make_mesh(tmp_path / "low.mesh", "box", "--width", 2, "--height", 3.5, "--size", 0.0625)
-    words = ["cases/settling_ellipses.edp", "-mesh", mesh, "-number", "16", "-tend", "0.3", "-checkpoint", "60", "-film", "0"]
+    words = ["cases/settling_ellipses.edp", "-mesh", mesh, "-number", "16", "-film", "0", "-tend", "0.3", "-checkpoint", "60"]
     whole, broken = broken_off(words, tmp_path, 120)
     assert numbers(whole, "contacts.csv")["t"].min() < 0.24 and numbers(whole, "contacts.csv")["t"].max() > 0.25
     for name in ("particles.csv", "contacts.csv"):

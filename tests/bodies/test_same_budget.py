@@ -42,8 +42,8 @@ def runs(box, folder, turn):
         more=f"macro caseLoads(now) bodyPush(2, {push[0]:.17g}, {push[1]:.17g}, {sense * TORQUE}); // EOM")
     (folder / "scene.edp").write_text(text.replace("gravityX = 0, gravityY = -1", f"gravityX = {gravity[0]:.17g}, gravityY = "
         f"{gravity[1]:.17g}"))
-    command = [folder / "scene.edp", "-mesh", folder / "box.mesh", "-every", "0", "-tend", "0.3", "-forces", "1", "-wallforces",
-        "1", "-budget", "1", "-checkpoint", "20"]
+    command = [folder / "scene.edp", "-mesh", folder / "box.mesh", "-every", "0", "-film", "0", "-tend", "0.3", "-forces", "1",
+        "-wallforces", "1", "-budget", "1", "-checkpoint", "20"]
     whole, broken = broken_off(command, folder, 20)
     found = {}
     for name in VECTORS:

@@ -33,7 +33,7 @@ def tables(channel, folder, turn=np.eye(2), unit=1.0, second=1.0, density=1.0): 
         unit=unit, density=density, gravity=turn @ (0, -1) * unit / second**2, stream=turn @ (2, 0) * unit / second, origin=(0, 0),
             turn=turn, bodies="\n".join(bodies),
         walls="labelWall, labelTop", slip="(0)"))
-    run_freefem(folder / "scene.edp", "-mesh", folder / "moved.mesh", "-forces", 1, "-wallforces", 1, "-fluxes", 1, "-film", 0,
+    run_freefem(folder / "scene.edp", "-mesh", folder / "moved.mesh", "-film", 0, "-forces", 1, "-wallforces", 1, "-fluxes", 1,
         "-out", folder / "run")
     return plain(RunFolder(folder / "run"), turn, sense, unit, second, density)
 
@@ -126,8 +126,8 @@ def shifted(folder, by):
     folder.mkdir()
     at = [f"{x:.17g}, {y:.17g}" for x, y in (PLACES + by) % 1]
     (folder / "scene.edp").write_text(PERIODIC.format(file=folder / "square.mesh", by=by, at=at))
-    run_freefem(folder / "scene.edp", "-mesh", folder / "square.mesh", "-dt", 0.01, "-tend", 0.4, "-every", 0.02, "-tolerance",
-        1e-10, "-forces", 1, "-fluxes", 1, "-film", 0, "-out", folder / "run")
+    run_freefem(folder / "scene.edp", "-mesh", folder / "square.mesh", "-film", 0, "-dt", 0.01, "-tend", 0.4, "-every", 0.02,
+        "-tolerance", 1e-10, "-forces", 1, "-fluxes", 1, "-out", folder / "run")
     run = RunFolder(folder / "run")
     found = {name: dict(run.table(name).items()) for name in ("particles", "forces", "entries", "contacts")}
     for name in ("particles", "entries"):

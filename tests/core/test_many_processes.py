@@ -94,6 +94,7 @@ def test_a_flow_alone(tmp_path, words):
     ["cases/drafting_kissing_tumbling.edp", "-tend", "0.005"],
     ["cases/sheared_suspension.edp", "-tend", "0.1", "-every", "0", "-radius", "0.14", "-fluxes", "1"],
     ["cases/ellipse_in_shear.edp", "-tend", "0.1"],
+    ["cases/cylinder_array.edp", "-tend", "0.01"],  # means of the flow in caseStep
     ["cases/sheared_suspension.edp", "-tend", "0.1", "-every", "0", "-radius", "0.14", "-fraction", "0.35", "-film", "1"],
     # slow flow: coarse correction, pressure around bodies; what is rounding at the start is not at the end of many iterations
     ["cases/template.edp", "-tend", "0.0025", "-mu", "1000", "-tolerance", "1e-10"],

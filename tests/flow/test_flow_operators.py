@@ -37,6 +37,14 @@ convBase(C);
 real[int] carrier(2*flowNw);
 carrier(0:flowNw - 1) = a[]; carrier(flowNw:2*flowNw - 1) = b[];
 convFill(carrier, 1.7, C);
+convWidest = 0; // columns only for what each block reaches
+convSetUp(A);
+real[int] packed(C.n), apart = C;
+packed = 0;
+convBase(packed);
+convFill(carrier, 1.7, packed);
+apart -= packed;
+cout << "PACKED " << convPacked << " " << apart.linfty << endl;
 A.coef = C;
 varf form(u, w) = int2d(Th, qforder = 9)(1.7*0.5*((a*dx(u) + b*dy(u))*w - (a*dx(w) + b*dy(w))*u))
     + int1d(Th, labelOutlet, qforder = 9)(1.7*0.5*max(a*N.x + b*N.y, 0.)*u*w);
@@ -61,6 +69,7 @@ def test_convection_operator_is_that_of_the_assembly(lift, size, off_most, freef
     text = freefem_text(OPERATOR.replace("LIFT", str(lift)).replace("SIZE", str(size))).stdout
     off, leaving, entering = map(float, next(line for line in text.splitlines() if line.startswith("RESULT")).split()[1:])
     assert off < off_most
+    assert "PACKED 1 0\n" in text
     triangles = int(next(line for line in text.splitlines() if line.startswith("TRIANGLES")).split()[1])
     assert (triangles > 1400) == (size < 0.1)
     assert leaving > 0 and (entering > 0) == (lift == 0)

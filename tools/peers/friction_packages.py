@@ -1,13 +1,16 @@
 """The relaxed law of friction against a QP package: CPU time of one projection, on one core.
 
-    python -m tools.peers.friction_packages 5000 20000
+    python -m tools.peers.friction_packages 5000 20000 [--limit 300]
 
 Random packings with walls (tools/peers/contact_problems.py), coefficients of 0.2 between disks and 0.1 at walls. Both programs
 are asked for tighter and tighter tolerances until the residual, recomputed from the impulses by one formula, is at most TOL;
 the last solve counts. The rounds alternate and the medians count; where a solve takes more than ONCE seconds there is one
-round. The time of the suite holds search, assembly and solution; that of PIQP its set-up and solution.
+round. The time of the suite holds search, assembly and solution; that of PIQP its set-up and solution. A solve of PIQP that takes
+more than the limit (s of CPU) is stopped; then the time and residual of the suite stand alone.
 """
+import multiprocessing
 import os
+import resource
 import sys
 import tempfile
 import time
@@ -25,6 +28,7 @@ from tools.base.tables import read_table  # noqa: E402
 from tools.peers.contact_problems import FIGURES, SCRIPT, constraints, packing, piqp  # noqa: E402
 
 DT, TOL, DISKS, WALLS, ROUNDS, ONCE = 0.01, 1e-6, 0.2, 0.1, 3, 20
+LIMIT = 300  # s of CPU of a solve of PIQP
 TIGHTER = {"suite": 1, "PIQP": 1e-3}  # the first tolerance over TOL; PIQP leaves a larger residual than it is asked for
 
 
@@ -89,11 +93,32 @@ def by_suite(scene, omega, rows, mu, tol):
     return float(FIGURES.findall(done.log)[-1][6]), np.concatenate([n + f / mu, n - f / mu]) / 2
 
 
-def by_piqp(rest, tol):
-    """The same of PIQP; rest: B, d, w, q0."""
+class TooLong(Exception):
+    """A solve has reached its limit."""
+
+
+def solved(rest, tol, limit, pipe):
+    """Sends (CPU s, multipliers) of PIQP through a pipe; the process ends at its limit (s of CPU)."""
     begin = time.process_time()
+    resource.setrlimit(resource.RLIMIT_CPU, (int(begin + limit) + 1,) * 2)
+    pipe.send((0.0, None))
     press = piqp(*rest, tol)[0]
-    return time.process_time() - begin, press
+    pipe.send((time.process_time() - begin, press))
+
+
+def by_piqp(rest, tol, limit):
+    """The same of PIQP; rest: B, d, w, q0; limit: s of CPU. Raises TooLong."""
+    mine, theirs = multiprocessing.get_context("fork").Pipe(False)
+    process = multiprocessing.get_context("fork").Process(target=solved, args=(rest, tol, limit, theirs))
+    process.start()
+    theirs.close()
+    try:
+        mine.recv()
+        return mine.recv()
+    except EOFError:
+        raise TooLong(f"PIQP has no solution after {limit:g} s") from None
+    finally:
+        process.join()
 
 
 def reached(solve, rest, first):
@@ -106,20 +131,34 @@ def reached(solve, rest, first):
     raise BadInput(f"the residual {found:.1e} stays above {TOL:.0e}")
 
 
+def compare(number, limit):
+    """The line of this number of disks; limit: s of CPU of a solve of PIQP."""
+    scene, omega, rows, mu, *rest = problem(number)
+    own, other = (lambda tol: by_suite(scene, omega, rows, mu, tol)), (lambda tol: by_piqp(rest, tol, limit))
+    mine = reached(own, rest, TOL * TIGHTER["suite"])
+    head = f"{number} disks, {len(mu)} contacts: suite "
+    try:
+        theirs = reached(other, rest, TOL * TIGHTER["PIQP"])
+    except TooLong as problem_met:
+        return head + f"{mine[1]:.3g} s (residual {mine[2]:.1e}); {problem_met}"
+    more = ROUNDS - 1 if max(mine[1], theirs[1]) < ONCE else 0
+    cpu = np.array([[own(mine[0])[0], other(theirs[0])[0]] for _ in range(more)] + [[mine[1], theirs[1]]])
+    first, second = np.median(cpu, axis=0)
+    return (head + f"{first:.3g} s (residual {mine[2]:.1e}), PIQP {second:.3g} s ({theirs[2]:.1e}), ratio "
+        f"{np.median(cpu[:, 0] / cpu[:, 1]):.2f}, largest difference of the velocities {np.abs(mine[3] - theirs[3]).max():.1e} mean "
+        "radii a step")
+
+
 def main():
     """The command; prints a line for each number of disks."""
-    if not sys.argv[1:] or not all(word.isdigit() and int(word) > 1 for word in sys.argv[1:]):
-        raise BadInput("usage: python -m tools.peers.friction_packages DISKS [DISKS ...]")
-    for word in sys.argv[1:]:
-        scene, omega, rows, mu, *rest = problem(int(word))
-        own, other = (lambda tol: by_suite(scene, omega, rows, mu, tol)), (lambda tol: by_piqp(rest, tol))
-        mine, theirs = reached(own, rest, TOL * TIGHTER["suite"]), reached(other, rest, TOL * TIGHTER["PIQP"])
-        more = ROUNDS - 1 if max(mine[1], theirs[1]) < ONCE else 0
-        cpu = np.array([[own(mine[0])[0], other(theirs[0])[0]] for _ in range(more)] + [[mine[1], theirs[1]]])
-        first, second = np.median(cpu, axis=0)
-        print(f"{word} disks, {len(mu)} contacts: suite {first:.3g} s (residual {mine[2]:.1e}), "
-              f"PIQP {second:.3g} s ({theirs[2]:.1e}), ratio {np.median(cpu[:, 0] / cpu[:, 1]):.2f}, "
-              f"largest difference of the velocities {np.abs(mine[3] - theirs[3]).max():.1e} mean radii a step")
+    words, limit = sys.argv[1:], str(LIMIT)
+    if "--limit" in words[:-1]:
+        at = words.index("--limit")
+        limit, words = words[at + 1], words[:at] + words[at + 2:]
+    if not words or not all(word.isdigit() and int(word) > 1 for word in words) or not limit.isdigit() or int(limit) < 1:
+        raise BadInput("usage: python -m tools.peers.friction_packages DISKS [DISKS ...] [--limit SECONDS]")
+    for word in words:
+        print(compare(int(word), int(limit)), flush=True)
 
 
 if __name__ == "__main__":
