@@ -99,7 +99,7 @@ def test_one_line_and_its_status_end_all_processes():
     (["cases/cavity.edp"], "steady flows"),
     (["cases/held_sphere.edp"], "spheres"),
     (["cases/given_flow.edp"], "point particles"),
-    (["cases/settling_disk.edp", "-scheme", "published"], "published scheme"),
+    (["cases/settling_disk.edp", "-scheme", "published"], "-scheme published"),
     (["cases/settling_disk.edp", "-bogus", "1"], "unknown option"),
     (["cases/settling_disk.edp", "-out", "/proc/none"], "cannot write"),
 ])
