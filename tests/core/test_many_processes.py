@@ -56,7 +56,7 @@ def test_one_line_and_its_status_end_all_processes():
     (["cases/heap.edp"], "contacts without a flow"),
     (["cases/falling_spheres.edp"], "contacts without a flow"),
     (["cases/given_flow.edp"], "point particles"),
-    (["cases/settling_disk.edp", "-scheme", "published"], "published scheme"),
+    (["cases/settling_disk.edp", "-scheme", "published"], "-scheme published"),
     (["cases/settling_disk.edp", "-bogus", "1"], "unknown option"),
     (["cases/settling_disk.edp", "-out", "/proc/none"], "cannot write"),
 ])
