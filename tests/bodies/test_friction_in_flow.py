@@ -97,11 +97,12 @@ def test_a_collision_in_a_fluid_has_its_friction_at_once(kind, freefem_text, tmp
 
 
 def test_momentum_holds_with_friction(freefem, tmp_path):
-    """What wall and contact give the fluid and the disk is their change of momentum, as without friction; and the budget of energy
-    closes within 3.5 %, after a first row that begins at once."""
+    """What wall, film and contact give the fluid and the disk is their change of momentum, as without friction; and the budget of
+    energy closes within 3.5 %, after a first row that begins at once."""
     off = []
     for friction in (0, 0.5):
-        freefem("cases/rolling_disk.edp", "-friction", friction, "-tend", 0.1, "-budget", 1, "-out", tmp_path / str(friction))
+        freefem("cases/rolling_disk.edp", "-film", 1, "-friction", friction, "-tend", 0.1, "-budget", 1,
+            "-out", tmp_path / str(friction))
         budget = RunFolder(tmp_path / str(friction)).table("budget")
         off.append([np.abs(budget[f"momentum_{d}"] - budget[f"walls_{d}"] - budget[f"weight_{d}"]).max() for d in "xy"])
         spent, late = budget["kinetic_energy"] + budget["dissipated"], budget["t"] > 0.006
