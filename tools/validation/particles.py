@@ -208,7 +208,8 @@ def segre_silberberg(context):
 
 
 def drafting_kissing_tumbling(context):
-    """Two settling disks: heights before they touch, time of contact, tumbling."""
+    """Two settling disks: heights before they touch, time of contact, tumbling. As in the published computations there is no film
+    below the mesh, by which they would hardly touch."""
     figure, axes = axes_of()
     for who in ("leading", "trailing"):
         points(axes, *reference(f"dkt_{who}_height_glowinski2001"), "Glowinski et al. 2001" if who == "leading" else None)
@@ -216,7 +217,7 @@ def drafting_kissing_tumbling(context):
     for k, (cells, dt) in enumerate(((6, 0.0005), (12, 0.00025))):
         name = f"two disks, D/h = {cells}: "
         try:
-            run = context.run("cases/drafting_kissing_tumbling.edp", {"-dt": dt, "-tend": 0.3}, f"two_{cells}",
+            run = context.run("cases/drafting_kissing_tumbling.edp", {"-dt": dt, "-tend": 0.3, "-film": 0}, f"two_{cells}",
                 mesh=("drafting_kissing_tumbling", 0.25 / cells))
             low, high = run.folder.tracks[0], run.folder.tracks[1]
             found[name] = (low, high, run, cells)
