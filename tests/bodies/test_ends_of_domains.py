@@ -7,7 +7,7 @@ from tools.base.run_folder import RunFolder
 
 def test_a_moving_plate_stops_a_disk(freefem, tmp_path):
     disks = particles(tmp_path, (5, 0.6, 0.8, 0.08, 50, 0, 2, 0))
-    words = ["cases/couette_disk.edp", "-particles", disks, "-reynolds", "10", "-dt", "0.005", "-tend", "0.15"]
+    words = ["cases/couette_disk.edp", "-particles", disks, "-reynolds", "10", "-film", "0", "-dt", "0.005", "-tend", "0.15"]
     freefem(*words, "-every", "0", "-out", tmp_path / "all")
     run = RunFolder(tmp_path / "all")
     fluid, disk = run.table("fluid"), run.table("particles")

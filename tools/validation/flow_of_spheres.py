@@ -152,7 +152,7 @@ def two(context):
     apart, time = np.linalg.norm(place[1] - place[0], axis=1) * 6, rows["t"][lead]
     kissing = time[apart < 1.01]
     source = "Glowinski et al. 2001"
-    yield context.row("two spheres: time of the first contact, s", source, 0.35, kissing[0], cpu_s=run.cpu_s)
+    yield context.row("two spheres: time of the first contact, s", source, 0.35, kissing[0], rtol=0.1, cpu_s=run.cpu_s)
     yield context.row("two spheres: time for which they touch, s", "kissing", np.nan, kissing[-1] - kissing[0], at_least=0.05,
         cpu_s=run.cpu_s)
     yield context.row("two spheres: height of the trailing one over the leading one at the end, diameters", "tumbling", np.nan,
