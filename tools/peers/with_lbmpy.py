@@ -2,10 +2,8 @@
 
     python -m tools.peers.with_lbmpy settling|fast|two|drift|ellipse LEVEL [FACTOR]
 
-Noble and Torczynski (Int. J. Mod. Phys. C 9, 1998): each cell's collision is a mean of the
-fluid's and of one that turns the populations to the disk's velocity, weighted with the share of
-the cell that is solid (sampled 8 x 8 at the rim); the momentum exchanged moves the disk, the
-fluid inside which is accelerated with the last step's acceleration (of an ellipse its turning too). Two relaxation times.
+On the lattice of tools/peers/saturated_lattice.py, cells at the rim sampled 8 x 8. The momentum exchanged moves the disk, the fluid
+inside which is accelerated with the last step's acceleration (of an ellipse its turning too).
   settling   cases/settling_disk.edp up to 0.4 s: mean velocity over 0.3 to 0.4 s, cm/s
   fast       the same with rho_s = 1.5 g/cm3, mu = 0.01 g/(cm s): largest Reynolds number, with rho_s
   two        cases/drafting_kissing_tumbling.edp up to 0.15 s, before the disks touch: heights, cm
@@ -27,11 +25,8 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
-import pystencils as ps
-from lbmpy import LBMConfig, LBMOptimisation, LBStencil, Method, Stencil, create_lb_update_rule
-from lbmpy.boundaries import UBB, LatticeBoltzmannBoundaryHandling, NoSlip
-from lbmpy.partially_saturated_cells import PSMConfig
-from pystencils.slicing import slice_from_direction
+
+from tools.peers.saturated_lattice import Lattice, finite, saturation, shares
 
 
 @dataclass
@@ -65,64 +60,16 @@ SCENES = {"settling": Scene(((1.0, 4.0),), 1.25, 0.1, 5.6, 0.4, ((6, 0.04), (8, 
               size=(2.0, 1.0), gravity=0.0, shear=1.0, diameter=0.1, aspect=2.0)}
 
 
-class Lattice:
-    """The box of nx by ny cells, kernels compiled; the fields of the disk are zero, the fluid at rest or sheared by `shear` a cell
-    and step."""
-
-    def __init__(self, nx, ny, rate, shear):
-        self.nx = nx
-        self.data = ps.create_data_handling((nx, ny), periodicity=(shear != 0, False), default_target=ps.Target.CPU)
-        source, target = (self.data.add_array(name, values_per_cell=9) for name in ("source", "target"))
-        solid = self.data.add_array("solid", values_per_cell=1)
-        velocity, force = (self.data.add_array(name, values_per_cell=2) for name in ("velocity", "force"))
-        for name in ("source", "target", "solid", "velocity", "force"):  # populations are stored less those at rest
-            self.data.fill(name, 0.0, ghost_layers=True)
-        cells = PSMConfig(fraction_field=solid, object_velocity_field=velocity, solid_collision=1, max_particles_per_cell=1,
-                          object_force_field=force)
-        config = LBMConfig(stencil=LBStencil(Stencil.D2Q9), method=Method.TRT, relaxation_rate=rate, compressible=False,
-                           zero_centered=True, psm_config=cells)
-        rule = create_lb_update_rule(lbm_config=config, lbm_optimisation=LBMOptimisation(symbolic_field=source,
-            symbolic_temporary_field=target))
-        self.kernel = ps.create_kernel(rule, ps.CreateKernelConfig(target=ps.Target.CPU)).compile()
-        self.walls = LatticeBoltzmannBoundaryHandling(rule.method, self.data, "source", name="walls")
-        for side in "NSEW" if shear == 0 else "":
-            self.walls.set_boundary(NoSlip(), slice_from_direction(side, 2))
-        for side, sign in (("N", 1), ("S", -1)) if shear else ():
-            self.walls.set_boundary(UBB((sign * shear * ny / 2, 0)), slice_from_direction(side, 2))
-        self.seams = self.data.synchronization_function(["source"]) if shear else lambda: None
-        self.ghosts = self.data.ghost_layers_of_field("solid")
-        arrays = self.data.cpu_arrays
-        self.solid, self.velocity, self.force = arrays["solid"], arrays["velocity"], arrays["force"]
-        if self.solid.ndim == 3:
-            self.solid = self.solid[..., 0]
-        self.walls()  # compiles the boundary's kernels
-        self.data.run_kernel(self.kernel)
-        self.data.fill("source", 0.0, ghost_layers=True)
-        u = shear * (np.arange(ny) + 0.5 - ny / 2)
-        for k, ((cx, _), weight) in enumerate(zip(rule.method.stencil, rule.method.weights)):
-            arrays["source"][:, self.ghosts:ny + self.ghosts, k] = float(weight) * (3 * cx * u + 4.5 * (cx * u) ** 2 - 1.5 * u**2)
-
-    def step(self):
-        self.seams()
-        self.walls()
-        self.data.run_kernel(self.kernel)
-        self.data.swap("source", "target")
-
-
 def covered(rx, ry, major, minor, theta):
     """Share of each cell, centre at (rx, ry) from the body's, that the body covers; semi-axes in cells, angle of the major one."""
 
-    def level(x, y):
+    def level(point):
+        x, y = point[..., 0], point[..., 1]
         along, across = x * np.cos(theta) + y * np.sin(theta), y * np.cos(theta) - x * np.sin(theta)
         return np.hypot(along / major, across / minor)
 
-    middle = level(rx, ry)
-    share = (middle < 1).astype(float)
-    rim = abs(middle - 1) * minor < 1
-    offset = (np.arange(8) + 0.5) / 8 - 0.5
-    sx, sy = np.meshgrid(offset, offset, indexing="ij")
-    share[rim] = (level(rx[rim][:, None, None] + sx, ry[rim][:, None, None] + sy) < 1).mean((1, 2))
-    return share
+    centres = np.stack([rx, ry], axis=-1)
+    return shares(lambda point: level(point) < 1, centres, abs(level(centres) - 1) * minor < 1, 8)
 
 
 class Disk:
@@ -151,8 +98,8 @@ class Disk:
         share = covered(self.rx, self.ry, self.major, self.minor, self.theta)
         self.own = share > 0
         along, across = (np.arange(c, c + 2 * self.reach + 1) for c in corner)
-        self.window = np.ix_(along % lattice.nx + lattice.ghosts, across + lattice.ghosts)
-        lattice.solid[self.window] += share * (relaxation - 0.5) / ((1 - share) + (relaxation - 0.5))
+        self.window = np.ix_(along % lattice.shape[0] + lattice.ghosts, across + lattice.ghosts)
+        lattice.solid[self.window] += saturation(share, relaxation)
         lattice.velocity[self.window + (0,)] += self.own * (self.v[0] - self.omega * self.ry)
         lattice.velocity[self.window + (1,)] += self.own * (self.v[1] + self.omega * self.rx)
 
@@ -177,7 +124,7 @@ def fall(scene, level, factor=1.0):
     dt = speed * h / scene.speed
     nx, ny = (round(side / h) for side in scene.size)
     relaxation = 3 * scene.nu * dt / h**2 + 0.5
-    lattice = Lattice(nx, ny, 1 / relaxation, scene.shear * dt)
+    lattice = Lattice((nx, ny), 1 / relaxation, scene.shear * dt)
     begin = time.process_time()
     disks = [Disk(np.array(start) / h, cells, scene.aspect, scene.ratio, scene.gravity * dt**2 / h) for start in scene.starts]
     steps = round(scene.end / dt)
@@ -191,9 +138,7 @@ def fall(scene, level, factor=1.0):
         for k, disk in enumerate(disks):
             disk.move(lattice)
             x[step, k], v[step, k], angle[step, k] = disk.x, disk.v, disk.theta
-        if not np.isfinite(v[step]).all():
-            print("error: no longer finite; a smaller speed of the lattice is needed")
-            raise SystemExit(4)
+        finite(v[step])
     return (np.arange(steps) + 1) * dt, x * h, v * h / dt, angle, nx * ny, begin
 
 
