@@ -145,7 +145,7 @@ def test_restart_with_files_and_the_queue(cell, tmp_path):
 
 
 @pytest.mark.parametrize("words, scene, word", [
-    pytest.param(["-scheme", "published"], {}, "published", marks=pytest.mark.slow), (["-restitution", 0.3, "-friction", 0.3], {}, "restitution"),
+    pytest.param(["-scheme", "published"], {}, "published", marks=pytest.mark.slow),
     pytest.param(["-film", 1], {}, "film", marks=pytest.mark.slow),
     ([], {"walls": "labelLeft, labelRight, labelBottom", "slip": "labelTop"}, "symmetry")])
 def test_what_shapes_do_not_take_is_refused(words, scene, word, cell, freefem_text):
