@@ -57,6 +57,45 @@ skewFill(a[], b[], c[], base, 1.3, coef);
     assert float(text.split("off ")[1].split()[0]) < 1e-12
 
 
+def test_the_stabilisation_is_that_of_freefem(freefem_text):
+    """u.Lu of a flow against the integral over each tetrahedron, and the speeds s_T, which vanish where the flow is resolved."""
+    text = freefem_text("""
+include "lib/core/errors.idp"
+load "msh3"
+real rhoFluid = 2, mu = 0.15, stabilise = 0.3;
+int[int] flowNoSlip = [1, 2, 3, 4, 5, 6], flowMoving(0), flowOutlet(0), flowSlip(0);
+mesh3 Th = cube(3, 2, 4, [x + 0.1*y, y - 0.2*x*z, 2*z]);
+include "lib/spheres/sphere_stabilisation.idp"
+skewSetUp();
+spaceWh a = sin(3*x) + y*z^2, b = cos(2*y)*x, c = exp(z)*x*y, q = a;
+spaceU = a[]; spaceV = b[]; spaceW = c[];
+dampRenew(spaceU, spaceV, spaceW);
+fespace speeds(Th, P0);
+speeds s, h, gx, gy, gz;
+real off = 0, exact = 0, U, far;
+for (int k = 0; k < Th.nt; ++k) {
+    U = 0; far = 0;
+    for (int i = 4; i < 10; ++i) { int m = spaceWh(k, i); U += sqrt(a[][m]^2 + b[][m]^2 + c[][m]^2)/6; }
+    for (int i = 0; i < 4; ++i) for (int j = 0; j < i; ++j)
+        far = max(far, sqrt((Th[k][i].x - Th[k][j].x)^2 + (Th[k][i].y - Th[k][j].y)^2 + (Th[k][i].z - Th[k][j].z)^2));
+    h[][k] = far;
+    off = max(off, abs(dampSpeed[k] - 0.3*U*max(0., 1 - 10*0.15/(2*U*far))));
+}
+s[] = dampSpeed; h[] = dampSize;
+for (int d = 0; d < 3; ++d) {
+    if (d == 1) q = b; if (d == 2) q = c;
+    varf alongX(u, w) = int3d(Th)(dx(q)*w/volume);
+    varf alongY(u, w) = int3d(Th)(dy(q)*w/volume);
+    varf alongZ(u, w) = int3d(Th)(dz(q)*w/volume);
+    gx[] = alongX(0, speeds); gy[] = alongY(0, speeds); gz[] = alongZ(0, speeds);
+    exact += int3d(Th)(s*h*((dx(q) - gx)^2 + (dy(q) - gy)^2 + (dz(q) - gz)^2));
+}
+cout << "off " << off << " " << abs(dampPower()/(2*exact) - 1) << " " << dampSpeed.min << " " << dampSpeed.max << endl;
+""").stdout
+    speed, form, low, high = map(float, text.split("off ")[1].split()[:4])
+    assert speed < 1e-14 and form < 1e-12 and low == 0 and high > 0.1
+
+
 def test_the_outlet_term_is_that_of_freefem(freefem_text):
     text = freefem_text("""
 include "lib/core/errors.idp"

@@ -127,11 +127,11 @@ class Context:
 
 
 def discover(package=None):
-    """{module name: [functions]} of the modules in this folder, in order of name."""
+    """{name: [functions]} of the modules in this folder, in order; a module is called NAME, or else as its file."""
     package = package or sys.modules[__name__]
     found = {}
     for info in sorted(pkgutil.iter_modules(package.__path__), key=lambda info: info.name):
         module = importlib.import_module(f"{package.__name__}.{info.name}")
         if hasattr(module, "VALIDATIONS"):
-            found[info.name] = list(module.VALIDATIONS)
+            found[getattr(module, "NAME", info.name)] = list(module.VALIDATIONS)
     return found

@@ -24,7 +24,7 @@ include "scripts/spheres.edp"
 """
 
 
-def arrays(context):
+def sphere_arrays(context):
     """Drag of a simple cubic array: 1.5 % with 4 elements to the diameter, 0.3 % with 8; order of the error."""
     for fraction, exact in ARRAYS.items():
         across = 2 * (3 * fraction / (4 * np.pi)) ** (1 / 3)
@@ -38,7 +38,7 @@ def arrays(context):
                 "Zick & Homsy 1982", exact, run.folder.columns("array")["drag"][-1], rtol=within, cpu_s=run.cpu_s)
 
 
-def lattices(context):
+def sphere_lattices(context):
     """Drag in periodic cells with 16 elements on a side: the symmetric eighth of the simple lattice, to rounding; Hasimoto."""
     for lattice, fraction, source in (("simple", 0.064, "the symmetric eighth"), ("body", 0.027, "Hasimoto 1959"),
             ("face", 0.027, "Hasimoto 1959")):
@@ -53,7 +53,7 @@ def lattices(context):
             run.folder.columns("array")["drag"][-1], rtol=1e-6 if lattice == "simple" else 0.015, cpu_s=run.cpu_s)
 
 
-def turned(context):
+def turned_sphere(context):
     """Angular velocity for the torque 8 pi mu R^3, in a box of 13 radii across: 4 % with 4 elements to the diameter, 1 % with 6."""
     script = context.out / "turned.edp"
     script.parent.mkdir(parents=True, exist_ok=True)
@@ -65,7 +65,7 @@ def turned(context):
             run.folder.columns("particles")["omega_z"][-1], rtol=within, cpu_s=run.cpu_s)
 
 
-def settling(context):
+def settling_sphere(context):
     """Peak speed of the fall in a box: 3 % with 4 elements to the diameter, 1.5 % with 8; the whole box against a quarter.
 
     Oil 1 is judged by the finer run: theory of ducts has 0.92 there, where 0.947 was measured."""
@@ -112,7 +112,7 @@ def released(ratio, end, viscosity, gravity=9.81, steps=2000):
     return speed
 
 
-def densities(context):
+def released_spheres(context):
     """Spheres of 0.01 to 100 times the density of the fluid, released: velocity of the first moments, with added mass and history."""
     for ratio in (0.01, 0.5, 2, 10, 100):
         start = 0.03 if ratio < 1 else 0.1275
@@ -130,7 +130,7 @@ def densities(context):
         yield context.row(f"density ratio {ratio}: greatest speed, m/s", "stable", np.nan, speed, at_most=5, cpu_s=run.cpu_s)
 
 
-def held(context):
+def held_sphere(context):
     """A stream past a fixed sphere at a Reynolds number of 100: drag and length of the wake, 2 % with 12 elements to the diameter.
 
     Reference: tools/validation/held_sphere_axial.edp, the axially symmetric flow in a domain of this size."""
@@ -143,7 +143,7 @@ def held(context):
         0.869, rows["length"][-1], rtol=0.02, cpu_s=run.cpu_s)
 
 
-def two(context):
+def two_spheres(context):
     """Two spheres in a box: the trailing one catches up with the leading one, touches it, and the pair turns over."""
     run = context.run("cases/two_spheres.edp", {"-tend": 0.6}, "two")
     rows, fluid = run.folder.columns("particles"), run.folder.columns("fluid")
@@ -180,7 +180,7 @@ DUCT = "Happel & Bart, Appl. Sci. Res. 29 (1974) 241, to order (a/b)^3"
 BRENNER = {1.0: 2.1255, 0.5: 3.2054, 0.25: 5.3053, 0.1: 11.459}
 
 
-def towards(context):
+def sphere_towards_floor(context):
     """Resistance towards a floor: 5 % where the gap has an element, else 25 %; 2 and 4 elements in a radius, the box is 24 radii
     wide. Resistance on the axis of a square duct 20 radii wide: 2 % with 4 elements to the diameter."""
     script = context.out / "towards.edp"
@@ -207,7 +207,7 @@ FALLING = TOWARDS.replace('"towards", "a held sphere moves towards a floor"', '"
     "gravityZ = 0", "gravityZ = -0.045").replace("fill();", "bodySphere(0, 0, 1 + gap, R, 1.01);")
 
 
-def falling(context):
+def sphere_onto_floor(context):
     """Time of a fall in slow flow from 0.9 to 0.02 radii above a floor with films: 10 %; each part of it: 25 %."""
     script = context.out / "falling.edp"
     script.parent.mkdir(parents=True, exist_ok=True)
@@ -228,7 +228,7 @@ def falling(context):
             rtol=0.25, cpu_s=run.cpu_s)
 
 
-def closed(context):
+def closed_box(context):
     """Budget of the closed box: the parts of momentum and energy that are missing, for two steps and two meshes."""
     for elements in (4, 8):
         for step in (0.01, 0.005):
@@ -245,10 +245,6 @@ def closed(context):
                 cpu_s=run.cpu_s)
 
 
-def spheres(context):
-    """All of these."""
-    for part in (arrays, lattices, turned, settling, densities, held, two, towards, falling, closed):
-        yield from part(context)
-
-
-VALIDATIONS = [spheres]
+NAME = "spheres"
+VALIDATIONS = [sphere_arrays, sphere_lattices, turned_sphere, settling_sphere, released_spheres, held_sphere,
+    two_spheres, sphere_towards_floor, sphere_onto_floor, closed_box]
