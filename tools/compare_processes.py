@@ -8,23 +8,14 @@ Exit statuses: 0; 1 where the tables differ in their rows or by more than 1e-6; 
 """
 import argparse
 import csv
-import os
-import re
-import shutil
-import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
-from tools.base.command import ROOT, BadInput, Parser, guarded
-from tools.base.ranks import MPI_ENVIRONMENT, launcher
-from tools.base.runner import freefem
+from tools.base.command import BadInput, Parser, guarded
+from tools.base.ranks import run_on
 
 SMALL = 1e-5  # a column below this, in the units of the case, is itself rounding
 MOST = 1e-6
-# Runs a command, and appends its peak memory (KiB) and user CPU time (s) to a file.
-WRAPPER = ("import resource, subprocess, sys; status = subprocess.call(sys.argv[2:]); "
-    "used = resource.getrusage(resource.RUSAGE_CHILDREN); open(sys.argv[1], 'a').write(f'{used.ru_maxrss} {used.ru_utime}\\n'); sys.exit(status if status >= 0 else 128 - status)")
 
 
 def difference(one, many):
@@ -49,28 +40,6 @@ def difference(one, many):
     return most
 
 
-def measured(processes, words, folder):
-    """(memory of the largest process in MiB, user CPU times of each in s) of a run into a folder. Raises BadInput where it
-    fails."""
-    with tempfile.NamedTemporaryFile("r") as notes:
-        wrapped = [sys.executable, "-c", WRAPPER, notes.name]
-        if processes == 1:
-            command = [*wrapped, freefem(), "-nw"]
-        else:
-            engine = Path(launcher()).with_name("FreeFem++-mpi")
-            start = shutil.which("mpiexec") or shutil.which("mpirun")
-            if not start:
-                raise BadInput("there is no mpiexec on the search path")
-            command = [start, "-np", str(processes), *wrapped, str(engine), "-nw"]
-        done = subprocess.run([*command, *map(str, words), "-out", str(folder)], cwd=ROOT, env=os.environ | MPI_ENVIRONMENT,
-            capture_output=True, text=True, errors="replace")
-        if done.returncode:
-            said = re.findall(r"^error: (.*)", done.stderr + done.stdout, flags=re.M)
-            raise BadInput(f"the run on {processes} ended with status {done.returncode}" + (f": {said[0]}" if said else ""))
-        rows = [list(map(float, line.split())) for line in notes.read().splitlines()]
-    return max(row[0] for row in rows) / 1024, [row[1] for row in rows]
-
-
 def main():
     parser = Parser(prog="python -m tools.compare_processes", description=__doc__)
     parser.add_argument("-n", type=int, default=2, dest="processes", metavar="PROCESSES", help="number of processes (default: 2)")
@@ -81,11 +50,11 @@ def main():
         raise BadInput(f"-n is a number of processes, at least 2, not {words.processes}")
     with tempfile.TemporaryDirectory() as folder:
         one, many = Path(folder) / "one", Path(folder) / "many"
-        alone = measured(1, [words.case, *words.options], one)
-        shared = measured(words.processes, [words.case, *words.options], many)
+        alone = run_on(1, [words.case, *words.options, "-out", one])
+        shared = run_on(words.processes, [words.case, *words.options, "-out", many])
         apart = difference(one, many)
-    times = " and ".join(f"{time:.1f}" for time in shared[1])
-    print(f"| {Path(words.case).stem} | {apart:.0e} | {alone[0]:.0f} | {shared[0]:.0f} | {alone[1][0]:.1f} | {times} |")
+    times = " and ".join(f"{time:.1f}" for time in shared.cpu_s)
+    print(f"| {Path(words.case).stem} | {apart:.0e} | {alone.memory_mb:.0f} | {shared.memory_mb:.0f} | {alone.cpu_s[0]:.1f} | {times} |")
     return 0 if apart <= MOST else 1
 
 

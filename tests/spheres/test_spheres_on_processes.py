@@ -10,6 +10,7 @@ import pytest
 
 from tests.conftest import ROOT, make_mesh, run_freefem
 from tests.processes import LIMIT, assert_near, assert_same, compare, ranks
+from tests.spheres.test_sphere_periods import scene
 from tests.tables import numbers
 from tools.base.ranks import MPI_ENVIRONMENT, launcher
 
@@ -33,8 +34,40 @@ def test_a_settling_sphere_with_forces_and_budget(tmp_path):
     assert abs(numbers(folder, "particles.csv")["w"]).max() > 0.01
 
 
+def across(tmp_path, number, *words):
+    """Two spheres that collide across a side of a cell that is periodic along x and y, on several processes."""
+    case, mesh = tmp_path / "across.edp", make_mesh(tmp_path / "cell.mesh", "sphere_lattice", "--size", 1 / 6, "--octants", "alike")
+    case.write_text(scene())
+    folder = compare(number, tmp_path, case, "-mesh", mesh, "-x", "0.7", *words)
+    met = numbers(folder, "particles.csv")
+    first, second = (met["x"][met["id"] == one][-1] for one in (0, 1))
+    assert numbers(folder, "fluid.csv")["contacts"].max() == 1 and first - second > 0.5  # the period is 1
+    return folder
+
+
+def test_spheres_that_collide_across_a_periodic_side(tmp_path):
+    across(tmp_path, 2, "-tend", "0.2", "-dt", "0.04", "-every", "0", "-friction", "0.3")
+
+
+@pytest.mark.slow
+def test_a_periodic_cell_on_three_processes(tmp_path):
+    """Forces, fields, conjugate gradients for the pressure, and a checkpoint that two processes take up."""
+    words = ["-tend", "0.24", "-every", "0", "-forces", "1", "-friction", "0.3", "-checkpoint", "8", "-direct", "50", "-fields", "0.1"]
+    folder = across(tmp_path, 3, *words)
+    for name in ("fields_0000005.vtu", "fields_0000010.vtu"):
+        assert (folder / name).stat().st_size == (tmp_path / "one" / name).stat().st_size
+    words = [str(tmp_path / "across.edp"), "-mesh", str(tmp_path / "cell.mesh"), "-x", "0.7", *words]
+    shutil.copytree(folder, tmp_path / "half")
+    for path in (tmp_path / "half").glob("restart_000000012*"):
+        path.unlink()
+    ranks(2, *words, "-restart", tmp_path / "half")
+    assert_near(tmp_path / "one", tmp_path / "half")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("number, words", [
+    (2, ["cases/sphere_lattice.edp", "-tend", "0.06"]),
+    (3, ["cases/sphere_lattice.edp", "-tend", "0.06", "-lattice", "body", "-x", "0.03", "-y", "0.97"]),
     (3, ["cases/settling_sphere.edp", "-tend", "0.2", "-forces", "1", "-budget", "1"]),
     (2, ["cases/held_sphere.edp", "-tend", "0.5"]),
     (3, ["cases/sphere_array.edp", "-tend", "0.05"]),

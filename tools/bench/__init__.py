@@ -5,5 +5,6 @@
 
 flow.py, scenes.py, transport.py: what runs, one job a program and resolution;
 scaling.py: cost of a step and memory; skip.py: scenes that do not use a feature against the
-program without it; rounds.py runs the jobs interleaved; page.py and figure.py write the page.
+program without it; processes.py and partitions.py: runs on several processes, and a model of more; rounds.py runs the jobs
+interleaved; page.py and figure.py write the page.
 """

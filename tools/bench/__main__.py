@@ -1,8 +1,9 @@
-"""Error against CPU time of flow, particles, contacts and transport; scaling; what is skipped.
+"""Error against CPU time of flow, particles, contacts and transport; scaling; what is skipped; several processes.
 
     python -m tools.bench                  # make bench: 40 to 60 minutes
     python -m tools.bench --quick          # make bench QUICK=1: at most 5 minutes
     python -m tools.bench --parts particles skip --out results/bench_some
+    python -m tools.bench --parts processes    # 1, 2, 4, ... processes up to the number of cores; no packages
     python -m tools.bench --keep --parts scaling skip    # the other parts are those of the last run into the folder
 
 The published method, the standard scheme and other packages (NGSolve, scikit-fem, lbmpy, SciPy, LIGGGHTS,
@@ -26,6 +27,7 @@ from tools.bench import flow, skip
 from tools.bench.discrete import ELEMENTS, LOOSE, discrete_jobs
 from tools.bench.figure import draw
 from tools.bench.page import load, write_page
+from tools.bench.processes import processes_lines, run_processes
 from tools.bench.rounds import collect, earlier, run_rounds
 from tools.bench.scaling import scaling_jobs
 from tools.bench.flow import MULTIPLIERS, TENSORIAL
@@ -35,7 +37,7 @@ from tools.bench.transport import transport_jobs
 from tools.peers import contact_packages as bench_contacts
 from tools.peers import with_liggghts
 
-PARTS = ("flow", "particles", "contacts", "discrete", "transport", "scaling", "skip")
+PARTS = ("flow", "particles", "contacts", "discrete", "transport", "scaling", "skip", "processes")
 PACKAGES = {"ngsolve": flow.PEERS["NGSolve"][1], "skfem": flow.PEERS["scikit-fem"][1], "lbmpy": "lbmpy==2.0",
             **{name: f"{name}=={version}" for name, version in bench_contacts.PEERS.items()}}
 PUBLISHED_SETTLING = [(3, 0.005), (4, 0.005), (6, 0.005), (8, 0.0025)]
@@ -102,7 +104,7 @@ def jobs_of(part, there, out, quick, limit):
                             [(number, 200, 160) for number in (0, 1, 50, 500)], limit)
 
 
-# Minutes of a part after which no further round begins; what is skipped takes 7 and 1.
+# Minutes of a part after which no further round begins; what is skipped takes 7 and 1, several processes 5 and 1.
 SHARES = {False: {"flow": 16, "particles": 12, "contacts": 6, "discrete": 3, "transport": 1, "scaling": 6},
           True: {"flow": 0.6, "particles": 1, "contacts": 0.6, "discrete": 0.5, "transport": 0.2, "scaling": 0.7}}
 
@@ -133,23 +135,26 @@ def main(words=None):
     given = parser().parse_args(words)
     freefem()
     samples = earlier(given.out / "bench.csv", given.parts) if given.keep else []
-    computer = machine()
+    computer, cores = machine(), {0}
     if hasattr(os, "sched_setaffinity"):
+        cores = os.sched_getaffinity(0)
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})  # inherited by all runs
     out = given.out
     own_folder(out, "bench", ("runs", "trees", "meshes"))
-    there, missing = peers(not given.no_install)
+    there, missing = peers(not given.no_install) if set(given.parts) - {"scaling", "skip", "processes"} else (set(), [])
     begin, before = time.perf_counter(), load()
 
     def say(text):
         print(f"[{(time.perf_counter() - begin) / 60:5.1f} min] {text}", flush=True)
-    skipped, kept = [], sorted({s.section for s in samples}, key=PARTS.index)
+    skipped, shared, kept = [], [], sorted({s.section for s in samples}, key=PARTS.index)
     if "discrete" in given.parts and not with_liggghts.program():
         missing.append(with_liggghts.MISSING)
     missing += [f"{', '.join(kept)}: of an earlier run into this folder"] if kept else []
     for part in given.parts:
         if part == "skip":
             skipped = run_skip(out, given.quick, given.limit, say)
+        elif part == "processes":
+            shared = run_processes(out, given.quick, given.limit, cores, say)
         else:
             until = time.perf_counter() + 60 * SHARES[given.quick][part]
             often = 3 if part == "scaling" else 1  # the cost of a step is short to measure and wavers
@@ -157,7 +162,7 @@ def main(words=None):
                 (5 if given.quick else 25) / often, say, until=until)
         points = collect(sorted(samples, key=lambda s: PARTS.index(s.section)))
         page = write_page(points, samples, skipped, missing, out, given.quick, (time.perf_counter() - begin) / 60,
-            (before, load()), computer)
+            (before, load()), computer, processes_lines(shared) if shared else [])
         if points or skipped:
             draw(points, skipped, out / "bench.png")
     for name in ("runs", "trees"):
@@ -165,7 +170,7 @@ def main(words=None):
     print("\n".join(str(path) for path in (page, out / "bench.png", out / "bench.csv") if path.is_file()))
     ours = [s for s in samples if s.program not in (PUBLISHED, TENSORIAL, MULTIPLIERS, *bench_contacts.PEERS, "NGSolve", "scikit-fem",
         "lbmpy", "SciPy", ELEMENTS)]
-    return 0 if not any(s.note for s in (*ours, *skipped)) else 1
+    return 0 if not any(s.note for s in (*ours, *skipped, *shared)) else 1
 
 
 if __name__ == "__main__":

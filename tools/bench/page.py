@@ -165,9 +165,9 @@ def skipped_table(skipped):
     return lines
 
 
-def write_page(points, samples, skipped, missing, out, quick, minutes, loads, computer):
+def write_page(points, samples, skipped, missing, out, quick, minutes, loads, computer, more=()):
     """bench.md and bench.csv; missing: lines on peers that are not there; loads: load averages;
-    computer: the machine in words."""
+    computer: the machine in words; more: further lines of the page."""
     names = [field.name for field in dataclasses.fields(Sample)]
     write_table(out / "bench.csv", names, [[getattr(s, name) for name in names] for s in samples])
     lines = ["# Benchmark", "", f"`python -m tools.bench{' --quick' if quick else ''}` took {minutes:.1f} minutes on {computer}, "
@@ -182,16 +182,17 @@ def write_page(points, samples, skipped, missing, out, quick, minutes, loads, co
              "Ratios are read at an error that both programs reach, by straight lines between measured points in logarithms; "
                  "nothing is extrapolated. "
              "\"published\" is Lefebvre's scheme (in the contact parts, plain Uzawa), \"tensorial\" and \"multipliers\" "
-                 "the other two of first order.", "", "![Error against CPU time, scaling, "
-                 "and what is skipped](bench.png)", ""]
+                 "the other two of first order.", ""]
+    lines += ["![Error against CPU time, scaling, and what is skipped](bench.png)", ""] if points or skipped else []
     lines += [f"- {line}" for line in missing] + ([""] if missing else [])
     for (section, problem), some in groups(points).items():
         lines += [f"## {title(section, problem)}", "", *table(some), ""]
-        more = ratios(some) if with_error(some) else exponents(some)
-        more += at_errors(some) if section == "discrete" else []
-        lines += [*more, ""] if more else []
+        beside = ratios(some) if with_error(some) else exponents(some)
+        beside += at_errors(some) if section == "discrete" else []
+        lines += [*beside, ""] if beside else []
     if skipped:
         lines += ["## What a scene does not use", "", *skipped_table(skipped), ""]
+    lines += more
     (out / "bench.md").write_text("\n".join(lines))
     return out / "bench.md"
 
