@@ -176,6 +176,7 @@ def test_spheres_in_a_heap_neither_overlap_nor_move(box, freefem_text, tmp_path)
     ("bodySphere(0, 0, 0.2, R, 1000);", "outside of the mesh"),
     ("bodySphere(0, 0, 0.006, R, 1000);", "overlaps a wall"),
     ("bodySphere(0, 0, 0.03, R, 1000); bodySphere(0.01, 0, 0.03, R, 1000);", "overlaps sphere"),
+    ("bodySphere(0, 0, 0.03, R, 1000); bodySphere(0.02, 0, 0.03, R/50, 1000);", "elements per diameter; below 0.5 nothing"),
 ])
 def test_inadmissible_spheres_are_refused(particles, said, box, freefem_text, tmp_path):
     run = freefem_text(scene(particles), "-mesh", box, "-out", tmp_path / "run", check=False)
@@ -192,6 +193,12 @@ def test_bad_input_is_refused(freefem_refused, tmp_path):
     assert "plane of symmetry" in freefem_refused(5, case, "-x", 0.001, "-out", tmp_path / "a")
     for content, said in (("id,x,y,z,radius\n0,0,0,0.1,1\n", "lacks the column density"),
                           ("id,x,y,z,radius,density\n0,0,0,0.1,1\n", "line 2 has 5 entries"),
-                          ("id,x,y,z,radius,density\n0,0,0,a,1,1\n", "is no number")):
+                          ("id,x,y,z,radius,density\n0,0,0,a,1,1\n", "is no number"),
+                          ("id,x,y,z,radius,density\n7.5,0.02,0,0.05,0.0075,1100\n", "line 2: the id 7.5"),
+                          ("id,x,y,z,radius,density\n0,0.02,0,0.05,0.0075,1100\n", "a sphere 0, an id that a sphere of the case"),
+                          ("id,x,y,z,radius,density\n7,0.02,0,0.05,1e400,1100\n", "line 2: 1e400 is too large"),
+                          ("id,x,y,z,radius,density,free\n7,0.02,0,0.05,0.0075,1100,0.5\n", "free is 1"),
+                          ("id,x,y,z,radius,density\n7,0.02,0,0.05,-1,1100\n", "line 2: the radius must be above 0, not -1"),
+                          ("id,x,y,z,radius,density\n", "contains no sphere")):
         (tmp_path / "spheres.csv").write_text(content)
         assert said in freefem_refused(3, case, "-particles", tmp_path / "spheres.csv", "-out", tmp_path / "a")

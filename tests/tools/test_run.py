@@ -8,6 +8,7 @@ import time
 import pytest
 
 from tests.conftest import FREEFEM, ROOT
+from tools.compile_errors.run import ELSEWHERE
 
 TEMPLATE = (ROOT / "cases/template.edp").read_text()
 
@@ -68,6 +69,13 @@ def test_what_is_no_script_is_refused(name, content, said, tmp_path):
         (tmp_path / name).write_bytes(content)
     done = tool(name, cwd=tmp_path)
     assert done.returncode == 3 and done.stderr.startswith("error: ") and said in done.stderr and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("number, said", [("0", "at least 1"), ("100000", "this machine has")])
+def test_a_number_of_processes_that_cannot_be_is_refused(number, said):
+    done = tool("-n", number, "cases/template.edp", "-help", env={name: value for name, value in os.environ.items()
+        if name not in ELSEWHERE})
+    assert done.returncode == 3 and said in done.stderr and done.stderr.count("\n") == 1 and done.stdout == ""
 
 
 def test_help_tells_of_folders_and_signals():

@@ -17,7 +17,8 @@ project. Without -out the run lies in results/ of the folder where you are; if t
 project's and the case lies elsewhere, in results/ beside the case. Ctrl-C, SIGTERM and SIGHUP
 reach FreeFEM and what it has started; nothing is left running.
 
-With -n 2 or more the run is shared among processes (ff-mpirun), one thread each.
+With -n 2 or more the run is shared among processes (ff-mpirun), one thread each. Outside the job of
+a batch system there may be 16 for each core of the machine.
 
 From another folder: python FOLDER_OF_THE_PROJECT/tools/run.py CASE.edp, or set PYTHONPATH to it.
 FREEFEM in the environment names another FreeFem++.
@@ -39,6 +40,8 @@ from tools.base.runner import freefem
 
 COMPILE_LIMIT = 120  # s
 GRACE = 3  # s, from a signal to SIGKILL
+CROWD = 16  # processes on a core: more would only stop the machine
+ELSEWHERE = "SLURM_JOB_ID", "PBS_NODEFILE", "PBS_JOBID", "LSB_HOSTS", "LSB_JOBID", "JOB_ID", "OMPI_MCA_orte_default_hostfile"
 
 
 def main():
@@ -53,6 +56,10 @@ def main():
     environment = surroundings(case)
     if words.processes < 1:
         raise BadInput(f"-n is a number of processes, at least 1, not {words.processes}")
+    cores = os.cpu_count() or 1
+    if words.processes > CROWD * cores and not any(name in os.environ for name in ELSEWHERE):
+        raise BadInput(f"-n {words.processes}: this machine has {cores} cores, and more processes than cores are slower; "
+            f"{CROWD * cores} is the most")
     begin = [freefem(), "-nw"]
     if words.processes > 1:
         begin = [launcher(), "-np", str(words.processes)]
@@ -161,6 +168,8 @@ def run(command, environment):
         if reader:
             reader.join(1)  # what FreeFEM has started may hold the stream open
         write(b"".join(held))
+    if status > 128 and command[1] == "-np":  # the launcher is told to be quiet
+        write(f"error: one of the processes was ended by signal {status - 128}\n".encode())
     return status if status >= 0 else 128 - status
 
 
