@@ -156,6 +156,40 @@ def test_a_disk_that_has_landed_is_carried_by_the_contact(box, freefem_text, tmp
         assert contacts["impulse"][-1] / 0.1 == pytest.approx(WEIGHT, rel=within)
 
 
+def test_a_heap_that_lies_is_carried_by_its_contacts(freefem_text, tmp_path):
+    """From a gap of 0: disks on the floor and on each other, and a disk on an ellipse. Each body's contacts carry what lies on it, so
+    that films and fluid carry less than a thousandth of the weight."""
+    r, step = 0.125, 0.002
+    freefem_text(case(f"{{ bodyDisk({r}, {r}, {r}, 3); bodyDisk({3 * r}, {r}, {r}, 3); bodyEllipse({6 * r}, {r}, {2 * r}, {r}, 0, 3); "
+        f"bodyDisk({6 * r}, {3 * r}, {r}, 3); bodyDisk({2 * r}, {r}*(1 + sqrt(3.)), {r}, 3); }}", mu=0.02, gravity=-10), "-dt", step,
+        "-cfl", 0, "-tend", 60 * step, "-every", 0, "-forces", 1, "-out", tmp_path / "run")
+    run, weight = RunFolder(tmp_path / "run"), 20 * np.pi * r**2 * np.array([1, 1, 2, 1, 1])
+    contacts, forces = run.table("contacts"), run.table("forces")
+    last, carried = contacts["t"] > 59.5 * step, np.zeros(5)
+    up = contacts["impulse"][last] * contacts["ny"][last] / step
+    for side, sign in (("i", 1), ("j", -1)):
+        who = contacts[side][last].astype(int)
+        np.add.at(carried, who[who >= 0], sign * up[who >= 0])
+    assert carried == pytest.approx(weight, rel=1e-3) and up[contacts["j"][last] < 0].sum() == pytest.approx(weight.sum(), rel=1e-3)
+    assert np.abs(forces["fy"][-5:]).max() < 1e-3 * weight.min()
+
+
+def test_disks_and_ellipses_that_have_settled_are_carried_by_their_contacts(freefem_text, tmp_path):
+    """They sink through their films, with the roughness of the default."""
+    for name, bodies, area, end in (("row", "bodyDisk(0.253, 0.13, 0.12, 3); bodyEllipse(0.703, 0.1, 0.16, 0.09, 0, 3);", 0.0288, 2),
+        ("heap", "for (int k = 0; k < 4; ++k) bodyDisk(0.125 + 0.25*k, 0.13, 0.12, 3); for (int k = 0; k < 3; ++k) "
+            "bodyDisk(0.25 + 0.25*k, 0.14 + 0.125*sqrt(3.), 0.12, 3);", 7 * 0.0144, 2.4)):
+        freefem_text(case("{ " + bodies + " }", mu=0.002, gravity=-10), "-dt", 0.004, "-cfl", 0, "-tend", end, "-every", 0, "-forces",
+            1, "-out", tmp_path / name)
+        run, weight = RunFolder(tmp_path / name), 20 * np.pi * area
+        contacts, forces = run.table("contacts"), run.table("forces")
+        floor = (contacts["j"] < 0) & (np.abs(contacts["ny"]) > 0.9) & (contacts["t"] > end - 0.1)
+        last = contacts["impulse"][floor].sum() / 0.1
+        assert last == pytest.approx(weight, rel=1e-3), name
+        late = forces["t"] > end - 0.1
+        assert abs(forces["fy"][late].sum()) * 0.004 / 0.1 < 1e-3 * weight, name
+
+
 def test_records_have_the_forces_of_films(box, freefem_text, tmp_path):
     """While it sinks without inertia the floor bears the weight, most of it by the film, and what the weight does is dissipated
     there."""

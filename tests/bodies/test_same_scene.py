@@ -1,9 +1,10 @@
-"""One scene in other units, far from the origin, turned or mirrored: the same motion."""
+"""One scene in other units, far from the origin, turned or mirrored: the same motion, with films between bodies and at walls."""
 import numpy as np
 import pytest
 
 from tests.conftest import run_freefem, standard_alone
 from tests.scenes import SCENE, case, turned, write_moved
+from tests.tables import rows as rows_told
 from tools.base.run_folder import RunFolder
 from tools.meshing.medit import write
 from tools.meshing.plane_mesh import PlaneMesh
@@ -11,6 +12,9 @@ from tools.meshing.plane_mesh import PlaneMesh
 # centre, semi-axes, angle, density over the fluid's
 BODIES = [(0.6, 1.5, 0.2, 0.2, 0, 1.2), (3.413, 0.7, 0.2, 0.2, 0, 0.9), (1.5, 1.03, 0.35, 0.2, 0.8, 1.5), (2.48, 1.5, 0.15, 0.15,
     0, 3.0), (1.0, 0.41, 0.2, 0.2, 0, 5.0)]
+
+FILMS = """macro caseStep() cout << "films " << filmPairs << " " << filmN - filmPairs << endl; // EOM
+"""
 
 
 def motion(channel, folder, turn=np.eye(2), origin=(0.0, 0.0), unit=1.0, second=1.0, density=1.0, slip=False):
@@ -23,12 +27,14 @@ def motion(channel, folder, turn=np.eye(2), origin=(0.0, 0.0), unit=1.0, second=
         centre, axis = turn @ (x, y) * unit + origin, turn @ (np.cos(angle), np.sin(angle))
         sizes = f"{long * unit:.17g}, {short * unit:.17g}, {np.arctan2(axis[1], axis[0]):.17g}" if long > short else f"{long * unit:.17g}"
         bodies.append(f"    {'bodyEllipse' if long > short else 'bodyDisk'}({centre[0]:.17g}, {centre[1]:.17g}, {sizes}, {ratio * density:.17g});")
-    (folder / "scene.edp").write_text(SCENE.format(
+    (folder / "scene.edp").write_text(FILMS + SCENE.format(
         dt=0.04 * second, end=1.6 * second, every=0.08 * second, ramp=0.2 * second, viscosity=0.02 / second,
         unit=unit, density=density, gravity=turn @ (0, -1) * unit / second**2, stream=turn @ (2, 0) * unit / second, origin=origin,
             turn=turn, bodies="\n".join(bodies),
         walls="labelWall" if slip else "labelWall, labelTop", slip=" = [labelTop]" if slip else "(0)"))
-    run_freefem(folder / "scene.edp", "-mesh", folder / "moved.mesh", "-out", folder / "run")
+    done = run_freefem(folder / "scene.edp", "-mesh", folder / "moved.mesh", "-out", folder / "run")
+    films = rows_told(done.stdout, "films")
+    assert films[:, 0].max() > 0 and films[:, 1].max() > 0  # between bodies, and at walls
     rows = RunFolder(folder / "run").particles
     places = (np.column_stack([rows["x"], rows["y"]]) - origin) / unit @ turn
     speeds = np.column_stack([rows["u"], rows["v"]]) / unit * second @ turn
