@@ -96,6 +96,19 @@ cout << "off " << off << " " << abs(dampPower()/(2*exact) - 1) << " " << dampSpe
     assert speed < 1e-14 and form < 1e-12 and low == 0 and high > 0.1
 
 
+@pytest.mark.slow
+def test_a_restart_with_stabilisation_goes_on_byte_for_byte(freefem, tmp_path):
+    """From a step between two renewals of the stabilisation."""
+    words = ["cases/held_sphere.edp", "-reynolds", 1000, "-stabilise", 0.1, "-tend", 1.3, "-checkpoint", 6]
+    freefem(*words, "-out", tmp_path / "run")
+    whole = (tmp_path / "run/wake.csv").read_text().splitlines()
+    for file in (tmp_path / "run").glob("restart_000000015.*"):
+        file.unlink()
+    freefem(*words, "-restart", tmp_path / "run", "-out", tmp_path / "again")
+    again = (tmp_path / "again/wake.csv").read_text().splitlines()[1:]
+    assert len(again) == 3 and again == whole[-3:]
+
+
 def test_the_outlet_term_is_that_of_freefem(freefem_text):
     text = freefem_text("""
 include "lib/core/errors.idp"

@@ -97,3 +97,45 @@ def test_drag_in_lattices(lattice, exact, freefem, tmp_path):
 def test_what_is_not_a_periodic_scene_is_refused(change, status, said, cell, freefem_text, tmp_path):
     run = freefem_text(scene(**change), "-mesh", cell, "-out", tmp_path / "run", check=False)
     assert run.returncode == status and said in run.stderr and run.stderr.count("\n") == 1
+
+
+CURLED = """
+include "lib/spheres/case.idp"
+optCase("curled", "a decaying flow that is parallel to its vorticity");
+optDefault("-dt", "0.01"); optDefault("-tend", "0.2"); optDefault("-cfl", "0"); optDefault("-tolerance", "1e-8");
+real rhoFluid = 1, mu = 0.001, gravityX = 0, gravityY = 0, gravityZ = 0, q = 2*pi;
+macro flowSpaces() fespace spaceWh(Th, P2, periodic = [[labelLeft, y, z], [labelRight, y, z], [labelFront, x, z],
+    [labelBack, x, z], [labelBottom, x, y], [labelTop, x, y]]); fespace spaceQh(Th, P1, periodic = [[labelLeft, y, z],
+    [labelRight, y, z], [labelFront, x, z], [labelBack, x, z], [labelBottom, x, y], [labelTop, x, y]]); // EOM
+macro flowPeriodicLabels() [labelLeft, labelRight, labelFront, labelBack, labelBottom, labelTop] // EOM
+int[int] flowNoSlip(0), flowMoving(0), flowOutlet(0), flowSlip(0);
+func real boundaryRamp(real t) { return 1; }
+macro caseParticles() // EOM
+macro caseStart() {
+    spaceWh f = sin(q*z) + 0.6*cos(q*y), g = 0.8*sin(q*x) + cos(q*z), h = 0.6*sin(q*y) + 0.8*cos(q*x);
+    spaceU = f[]; spaceV = g[]; spaceW = h[];
+    outHeader("error.csv", "t,error");
+} // EOM
+macro caseStep() if (timeNow > 0.1999) {
+    real fall = exp(-mu*q^2*timeNow), error = 0;
+    spaceWh f, g, h;
+    f[] = spaceU; g[] = spaceV; h[] = spaceW;
+    error = int3d(Th)((f - fall*(sin(q*z) + 0.6*cos(q*y)))^2 + (g - fall*(0.8*sin(q*x) + cos(q*z)))^2
+        + (h - fall*(0.6*sin(q*y) + 0.8*cos(q*x)))^2);
+    real[int] row = [timeNow, sqrt(error/2)];
+    outRow("error.csv", row);
+} // EOM
+include "scripts/spheres.edp"
+"""
+
+
+@pytest.mark.slow
+def test_stabilisation_keeps_the_order(freefem_text, tmp_path):
+    """An exact flow whose vorticity is parallel to it, at Reynolds numbers of the elements above 100 (Arnold 1965; Childress 1970): the
+    error falls at least in second order, and to less than half of that without stabilisation."""
+    error = {}
+    for cells, factor in ((4, 0.1), (8, 0.1), (8, 0)):
+        mesh = make_mesh(tmp_path / f"{cells}_{factor}.mesh", "sphere_lattice", "--size", 1 / cells)
+        freefem_text(CURLED, "-mesh", mesh, "-stabilise", factor, "-out", tmp_path / f"run_{cells}_{factor}")
+        error[cells, factor] = read_table(tmp_path / f"run_{cells}_{factor}/error.csv")["error"][-1]
+    assert error[4, 0.1] > 4 * error[8, 0.1] and error[8, 0.1] < 0.5 * error[8, 0]
