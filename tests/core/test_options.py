@@ -171,8 +171,9 @@ def test_a_case_declares_its_units_once(freefem_text, tmp_path):
     outDeclare();
     optEnd();
     outBegin("");
+    cout << "told " << optNamed("m/s") << " " << optNamed("m2/s") << endl;
     """
-    freefem_text(text, "-out", tmp_path / "run")
+    assert "told mm/ms mm2/ms" in freefem_text(text, "-out", tmp_path / "run").stdout  # what warnings name
     info = json.loads((tmp_path / "run" / "run.json").read_text())
     assert info["base_units"] == {"length": "mm", "mass": "mg", "time": "ms"}
     assert {name: info["units"][name] for name in ("-own", "-other", "-tend", "-speed", "-maxwall", "-width")} == {"-own": "s",
