@@ -171,12 +171,16 @@ def test_a_case_declares_its_units_once(freefem_text, tmp_path):
     outDeclare();
     optEnd();
     outBegin("");
+    cout << "told " << optNamed("m/s") << " " << optNamed("m2/s") << endl;
     """
-    freefem_text(text, "-out", tmp_path / "run")
+    assert "told mm/ms mm2/ms" in freefem_text(text, "-out", tmp_path / "run").stdout  # what warnings name
     info = json.loads((tmp_path / "run" / "run.json").read_text())
     assert info["base_units"] == {"length": "mm", "mass": "mg", "time": "ms"}
     assert {name: info["units"][name] for name in ("-own", "-other", "-tend", "-speed", "-maxwall", "-width")} == {"-own": "s",
         "-other": "mm", "-tend": "ms", "-speed": "mm/ms", "-maxwall": "s", "-width": "mm"}
+    # a case that declares none: those of its own options
+    shown = freefem_text(text.replace('optBaseUnits("mm", "mg", "ms");', ""), "-help").stdout
+    assert "-speed 1 mm/s " in shown and "-width 1 mm " in shown and "-tend 1 s " in shown
     for words, says in (('optBaseUnits("mm", "mg/mm", "s");', "each a word of letters"),
         ('optDriver(); optBaseUnits("mm", "mg", "s");', "before the driver is included")):
         done = freefem_text(text.replace('optBaseUnits("mm", "mg", "ms");', words), check=False)

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from tests.conftest import ROOT, run_tool
+from tools.base.command import BadInput
 from tools.base.mesh_files import read_mesh
+from tools.flow import cloud
 from tools.flow.given import Given
 from tools.flow.plane import split
 from tools.flow.values import Middles, at_vertices, sides_of
@@ -252,7 +254,8 @@ def test_a_table_of_points_as_fluent_writes_it(tmp_path):
     header = "nodenumber, x-coordinate, y-coordinate, x-velocity, y-velocity, turb-kinetic-energy, turb-diss-rate"
     file = table(tmp_path / "fluent.csv", header, np.arange(len(x)), places, *columns)
     got, _, (frame,), done = made(tmp_path / "flow", file, "--mesh", mesh)
-    assert done.stderr == "" and set(got.labels) == {3} and "with k and epsilon" in done.stdout
+    assert "fluid passes sides that are named walls" in done.stderr and done.stderr.count("\n") == 1
+    assert set(got.labels) == {3} and "with k and epsilon" in done.stdout
     sides, _ = sides_of(got.triangles)
     nodes = np.concatenate([got.points, got.points[sides].mean(axis=1)])
     exact = {"u": 1 + nodes[:, 0] - nodes[:, 1], "v": 2 * nodes[:, 0] - nodes[:, 1], "k": 0.1 + 0.01 * nodes[:, 0],
@@ -263,7 +266,7 @@ def test_a_table_of_points_as_fluent_writes_it(tmp_path):
     file = table(tmp_path / "inner.csv", "X [ m ], Y [ m ], Velocity u [ m s^-1 ], Velocity v [ m s^-1 ]", places[within],
         columns[0][within], columns[1][within])
     _, _, (frame,), done = made(tmp_path / "inner", file, "--mesh", mesh)
-    assert len(done.stderr.splitlines()) == 1 and "of 49 vertices of the mesh lie outside the points" in done.stderr
+    assert len(done.stderr.splitlines()) == 2 and "of 49 vertices of the mesh lie outside the points" in done.stderr
     np.testing.assert_allclose(frame["u"], exact["u"], atol=1e-7)
     assert "do not cover the mesh" in refused(tmp_path, file, "--mesh", mesh, "--scale", "0.001")
 
@@ -285,6 +288,33 @@ def test_tables_that_are_refused(tmp_path):
     assert "3-D, its third component" in refused(tmp_path, table(tmp_path / "d.csv", "x,y,u,v,w", places, one, one, one), *mesh)
     assert "span no area" in refused(tmp_path, table(tmp_path / "e.csv", "x,y,u,v", places[:, [0, 0]], one, one), *mesh)
     assert "no velocity 'a,b'; its arrays: u, v" in refused(tmp_path, good, *mesh, "--velocity", "a,b")
+
+
+def test_tables_that_contradict_themselves_or_the_mesh(tmp_path):
+    """Read in the process of the test: points twice, in space, in another unit; k below 0."""
+    unit = np.linspace(0, 1, 12)
+    places = np.stack(np.meshgrid(unit, unit), axis=-1).reshape(-1, 2)
+    u, base = 1 + places[:, 0], PlaneMesh(places[:0], np.empty((0, 3), int), np.empty((0, 2), int), np.empty(0, int))
+    base.points = np.array([[0, 0], [1, 0], [0.3, 0.6], [1, 1]])
+
+    def read(header, places, *columns, scale=1.0):
+        return cloud.read([(0.0, table(tmp_path / "table.csv", header, places, *columns))], None, base, scale).frames[0]
+
+    both = np.concatenate([places, places])
+    same = read("x,y,u,v", both, np.tile(u, 2), np.tile(u, 2))["u"]
+    np.testing.assert_allclose(same, 1 + base.points[:, 0])
+    with pytest.raises(BadInput, match="144 points stand more than once, with values that contradict"):
+        read("x,y,u,v", both, np.append(u, 2 * u), np.tile(u, 2))
+    deep = np.repeat([0, 0.1], len(places))
+    read("x,y,z,u,v", both, deep, np.tile(u, 2), np.tile(u, 2))  # two planes of one cell
+    with pytest.raises(BadInput, match="lie in no plane, z goes from 0 to 1"):
+        read("x,y,z,u,v", places, np.linspace(0, 1, len(places)), u, u)
+    for scale in (1000, 0.02):
+        with pytest.raises(BadInput, match=r"1 of its 144 points lie where the mesh is|do not cover the mesh"):
+            read("x,y,u,v", places, u, u, scale=scale)
+    with pytest.raises(BadInput, match="k is negative, down to -0.1"):
+        read("x,y,u,v,k,epsilon", places, u, u, np.where(u > 1.5, -0.1, 0.2), u)
+    assert read("x,y,u,v,k,epsilon", places, u, u, np.where(u > 1.5, -1e-9, 0.2), u)["k"].min() == 0
 
 
 def test_other_files_that_are_refused(tmp_path):
@@ -328,6 +358,6 @@ def test_a_flow_that_does_not_balance_is_told(tmp_path):
     points, quads = shaken(tmp_path, "quad")
     meshio.Mesh(points, [("quad", quads)], point_data={"u": points[:, 0], "v": 0 * points[:, 0]}).write(tmp_path / "source.vtu")
     done = made(tmp_path / "flow", tmp_path / "source.vtu", *WALLS)[3]
-    assert len(done.stderr.splitlines()) == 1 and "0 m2/s flow in, 1 out" in done.stderr
+    assert len(done.stderr.splitlines()) == 2 and "0 m2/s flow in, 1 out" in done.stderr
     closed = vortex_file(tmp_path / "closed.vtu", 8, "quad", "cells")
     assert made(tmp_path / "closed", closed, *WALLS)[3].stderr == ""

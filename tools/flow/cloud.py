@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator
-from scipy.spatial import Delaunay, QhullError
+from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from tools.base.command import BadInput
 from tools.base.mesh_files import read_mesh
@@ -20,6 +20,10 @@ from tools.meshing.plane_mesh import PlaneMesh, oriented
 from tools.meshing.unstructured import with_gmsh
 
 OUTSIDE_MOST = 0.5  # share of the vertices that may lie outside the points
+INSIDE_LEAST = 10  # points in the box around the mesh, or a tenth of all where that is less; fewer tell nothing of its flow
+SAME = 1e-9  # of the extent of the points: closer ones are one
+APART = 0.01  # of the largest value of a column: by more the values of one point contradict each other
+ACROSS = ("z",), ("z-coordinate",), ("points:2",), ("points_2",)
 
 
 def mesh_from(path):
@@ -32,6 +36,45 @@ def mesh_from(path):
         raise BadInput(f"--mesh takes a .mesh, or a .msh by gmsh, not '{path}'")
     mesh = read_mesh(path)
     return PlaneMesh(mesh.points, oriented(mesh.points, mesh.triangles), mesh.edges, mesh.labels)
+
+
+def single(points, values, names, file):
+    """(points, values) with each point once. Raises BadInput where values of one point contradict each other."""
+    pairs = cKDTree(points).query_pairs(SAME * np.ptp(points, axis=0).max(initial=0), output_type="ndarray")
+    if not len(pairs):
+        return points, values
+    apart = np.abs(values[pairs[:, 0]] - values[pairs[:, 1]]) > APART * np.abs(values).max(axis=0)
+    if apart.any():
+        at = np.flatnonzero(apart.any(axis=1))[0]
+        (x, y), name = points[pairs[at, 0]], names[int(np.argmax(apart[at]))]
+        raise BadInput(f"{file}: {len(np.unique(pairs[apart.any(axis=1)].min(axis=1)))} points stand more than once, with values that "
+            f"contradict each other, one at ({x:g}, {y:g}) m: {name} is {values[pairs[at, 0], names.index(name)]:g} and "
+            f"{values[pairs[at, 1], names.index(name)]:g}; write one plane, at one time")
+    keep = np.ones(len(points), bool)
+    keep[pairs.max(axis=1)] = False
+    return points[keep], values[keep]
+
+
+def require_plane(low, points, file):
+    """Raises BadInput where a table of points has places across that are none of a plane, or of planes with the same points."""
+    for (name,) in ACROSS:
+        if name in low and np.ptp(low[name]) > 1e-6 * np.ptp(points, axis=0).max(initial=0):
+            rounded = np.round(points / (SAME * np.ptp(points, axis=0).max(initial=0) + 1e-300))
+            if len(np.unique(rounded, axis=0)) > 0.5 * len(points):
+                raise BadInput(f"{file} is a 3-D flow: its points lie in no plane, {name} goes from {low[name].min():g} to "
+                    f"{low[name].max():g}; write a slice of it")
+
+
+def require_there(points, mesh, file):
+    """Raises BadInput where hardly any of the points lie where the mesh is."""
+    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    margin = SAME * (high - low).max()
+    inside = int(((points >= low - margin) & (points <= high + margin)).all(axis=1).sum())
+    if inside < min(INSIDE_LEAST, len(points) / 10):
+        (x0, y0), (x1, y1) = points.min(axis=0), points.max(axis=0)
+        raise BadInput(f"{file}: {inside} of its {len(points)} points lie where the mesh is, which reaches from x = {low[0]:g} to "
+            f"{high[0]:g} and y = {low[1]:g} to {high[1]:g} m, the points from x = {x0:g} to {x1:g} and y = {y0:g} to {y1:g} m; are "
+            f"both in the same unit (--scale)?")
 
 
 def read(files, velocity, mesh, scale):
@@ -54,11 +97,15 @@ def read(files, velocity, mesh, scale):
         if list(frame) != names:
             raise BadInput(f"{file} has {', '.join(frame)}, {files[0][1]} has {', '.join(names)}; all times need the same")
         values = np.stack([frame[name] for name in names], axis=1)
+        require_plane(low, points / scale, file)
+        points, values = single(points, values, names, file)
         try:
             found = LinearNDInterpolator(Delaunay(points), values)(mesh.points)
         except (QhullError, ValueError):
             raise BadInput(f"{file} has {len(points)} points, which span no area") from None
         outside = np.isnan(found[:, 0])
+        if not outside.all():
+            require_there(points, mesh, file)
         if outside.any():
             found[outside], away = nearest(points, values, mesh.points[outside])
             where = f"{outside.sum()} of {len(outside)} vertices of the mesh lie outside the points of {file}, up to " \

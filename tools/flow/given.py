@@ -16,6 +16,7 @@ SCALARS = {"k": ("k", "turb-kinetic-energy", "turb_kinetic_energy", "turbulent_k
            "epsilon": ("epsilon", "turb-diss-rate", "turb_diss_rate", "turbulent_dissipation_rate", "turbulence eddy dissipation"),
            "omega": ("omega", "specific-diss-rate", "specific_diss_rate", "turbulence eddy frequency")}
 CMU = 0.09  # epsilon = CMU k omega
+NEGATIVE_MOST = 0.01  # k or epsilon below 0, over its largest value: less is the rounding of another program, which becomes 0
 THIRD_MOST = 1e-3  # third component of the velocity over the largest of the others: above it a flow is not plane
 
 
@@ -47,7 +48,7 @@ def named(arrays, wanted, source):
     """{"u", "v"[, "k", "epsilon"]: values} of the arrays {name: (n,) or (n, components)} of a file.
 
     wanted: None, the name of a vector, or those of two components with a comma. Raises BadInput without velocities, for values that
-    are not finite and for a flow that is not plane.
+    are not finite, for k or epsilon below 0 and for a flow that is not plane.
     """
     low = {plain(name): np.asarray(values, float) for name, values in arrays.items()}
     there = ", ".join(arrays) or "none"
@@ -73,6 +74,11 @@ def named(arrays, wanted, source):
     if turbulent["epsilon"] is None and turbulent["k"] is not None and turbulent["omega"] is not None:
         turbulent["epsilon"] = CMU * turbulent["k"] * turbulent["omega"]
     if turbulent["k"] is not None and turbulent["epsilon"] is not None:
+        for name in ("k", "epsilon"):
+            values = turbulent[name][np.isfinite(turbulent[name])]
+            if values.min(initial=0) < -NEGATIVE_MOST * values.max(initial=0):
+                raise BadInput(f"{source}: {name} is negative, down to {values.min():g}; it cannot be the "
+                    + ("turbulent kinetic energy" if name == "k" else "rate of dissipation"))
         found |= {name: np.maximum(turbulent[name], 0) if np.isfinite(turbulent[name]).all() else turbulent[name]
             for name in ("k", "epsilon")}
     require_finite(found, source)

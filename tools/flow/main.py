@@ -36,8 +36,9 @@ from tools.meshing.checks import faults, summary
 from tools.meshing.labels import LABELS
 
 # A line warns where the fluxes in and out differ by more than UNBALANCED of the larger, or of LITTLE of the largest speed times the
-# length of the boundary, where that is more: hardly anything flows through the walls of a closed vessel.
-UNBALANCED, LITTLE = 0.02, 0.05
+# length of the boundary, where that is more: hardly anything flows through the walls of a closed vessel. Another line warns where
+# fluid passes a wall at THROUGH_WALLS of the largest speed; values in coarse cells, continued to a wall, reach a tenth.
+UNBALANCED, LITTLE, THROUGH_WALLS = 0.02, 0.05, 0.25
 LEAST_ANGLE = 1e-3  # degrees: cells of a boundary layer are thin
 AT_REST = "wall", "diaphragm", "obstacle", "cylinder"
 KINDS = ".vtu", ".vtk"
@@ -124,7 +125,7 @@ def main(words=None):
         raise BadInput(f"{options.files[0]}: some times have k and epsilon, others have none")
     nodes = write(options.out, mesh, flow.times, frames)
     speed = max(np.hypot(frame["u"], frame["v"]).max() for frame in frames)
-    into, out = fluxes(mesh, nodes[-1])
+    into, out, across = fluxes(mesh, nodes[-1])
     span = f"steady (t = {flow.times[0]:g} s)" if len(frames) == 1 else f"{len(frames)} times from {flow.times[0]:g} to " \
         f"{flow.times[-1]:g} s"
     print(f"{options.out}: {summary(mesh)}\n{span}, largest speed {speed:.4g} m/s, {'with' if 'k' in frames[0] else 'no'} k and "
@@ -134,4 +135,10 @@ def main(words=None):
     if abs(into - out) > UNBALANCED * max(into, out, LITTLE * speed * length):
         print(f"warning: {into:.4g} m2/s flow in, {out:.4g} out; are fields and mesh of one flow, and the fluid incompressible?",
             file=sys.stderr)
+    walls = np.isin(mesh.edge_labels, [LABELS[name] for name in AT_REST])
+    sides = np.linalg.norm(np.diff(mesh.points[mesh.edges[walls]], axis=1)[:, 0], axis=1)
+    fastest = np.max(np.abs(across[walls]) / sides, initial=0)
+    if fastest > THROUGH_WALLS * speed:
+        print(f"warning: fluid passes sides that are named walls, where particles stop, at up to {fastest:.3g} m/s; name inlets and "
+            f"outlets by --label, or set the velocity at walls to 0 by --no-slip", file=sys.stderr)
     return 0

@@ -48,11 +48,12 @@ def write(folder, mesh, times, frames):
 
 
 def fluxes(mesh, nodes):
-    """(flux in, flux out) through the boundary, m2/s, of values at all nodes, by Simpson's rule on each side."""
+    """(flux in, flux out) through the boundary, m2/s, of values at all nodes, and the flux out of each side (edges), by Simpson's
+    rule."""
     n, (a, b), (sides, _) = len(mesh.points), mesh.edges.T, sides_of(mesh.triangles)
     place = {tuple(pair): n + k for k, pair in enumerate(sides.tolist())}
     middle = np.array([place[tuple(pair)] for pair in np.sort(mesh.edges, axis=1).tolist()])
     way = mesh.points[b] - mesh.points[a]  # the domain lies to the left
     u, v = ((nodes[name][a] + 4 * nodes[name][middle] + nodes[name][b]) / 6 for name in ("u", "v"))
     out = u * way[:, 1] - v * way[:, 0]
-    return -out[out < 0].sum(), out[out > 0].sum()
+    return -out[out < 0].sum(), out[out > 0].sum(), out
