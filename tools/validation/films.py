@@ -1,4 +1,4 @@
-"""Films below the mesh: disks at a wall and near each other, against exact and body-fitted resistances, closed forms, and
+"""Films below the mesh: disks at walls, straight and round, and near each other, against exact and body-fitted resistances, closed forms, and
 from mesh to mesh.
 
 Exact, a disk at a plane: Jeffrey & Onishi, Q. J. Mech. Appl. Math. 34 (1981) 129. Two equal disks that approach each other in
@@ -20,6 +20,9 @@ BODY_FITTED = "body-fitted computation"
 ALONG = {0.3: 22.2, 0.1: 33.3, 0.02: 67.7}
 # gap in radii, force over viscosity and the speed of each
 PAIR = np.array([(1, 25.96), (0.5, 49.72), (0.2, 141.5), (0.1, 349.0), (0.05, 914.9), (0.02, 3446), (0.01, 9585)])
+# the same of one disk that moves along the radius of a round box of four radii: finite elements in bipolar coordinates
+RING = np.array([(1, 45.12), (0.7, 63.14), (0.5, 90.33), (0.3, 165.4), (0.2, 278.3), (0.1, 717.1), (0.05, 1930.9), (0.03, 4071.7),
+    (0.02, 7404), (0.01, 20728), (0.008, 28909)])
 
 
 def at_wall(gap):
@@ -33,6 +36,13 @@ def of_pair(gap):
     Between the computed gaps the ratio to 3 pi gap^-1.5, the leading term, is linear."""
     known = PAIR[::-1]
     return 3 * np.pi * np.asarray(gap) ** -1.5 * np.interp(gap, known[:, 0], known[:, 1] / (3 * np.pi * known[:, 0] ** -1.5))
+
+
+def in_ring(gap):
+    """As at_wall(), in a round box of four radii; gap: radii, 0.008 to 1. Between the computed gaps as of_pair() has it."""
+    known = RING[::-1]
+    leading = lambda gap: 1.5 * np.pi * (8 / 3 / np.asarray(gap)) ** 1.5
+    return leading(gap) * np.interp(gap, known[:, 0], known[:, 1] / leading(known[:, 0]))
 
 
 def duration(exact, from_gap, to_gap, pair):
@@ -81,8 +91,8 @@ def pushed(context, exact, pair, runs, mesh, within, unit):
         axes.semilogx(gap, ratio, **(curve(number) | {"marker": ""}))
     axes.set_xlabel("gap over the radius")
     axes.set_ylabel("resistance over the exact one")
-    path = save(figure, context.figure_path("pair" if pair else "wall"))
-    source = BODY_FITTED if pair else EXACT
+    path = save(figure, context.figure_path(unit.replace(",", "").replace(" ", "_")))
+    source = EXACT if exact is at_wall else BODY_FITTED
     for gap in GAPS:
         values = [float(np.interp(-gap, -np.minimum.accumulate(gaps), ratio)) for gaps, ratio in found]
         yield context.row(f"{unit}, gap {gap:g} R: resistance over the exact one, worst of {len(values)} runs", source, 1,
@@ -99,6 +109,18 @@ def disk_and_wall(context):
     runs += [(RADIUS / 4, share, {"-x": 1.024}) for share in (1, 0.5)]
     runs += [(RADIUS / 8, 2, {"-x": 1 + RADIUS / 8 * k / 8}) for k in (1, 4)]
     yield from pushed(context, at_wall, False, runs, ("box", "--width", "2", "--height", "2"), 0.15, "disk and wall")
+
+
+def curved_wall(context):
+    """A disk pushed to the lowest point of a round box of four radii, which is a vertex of its chords: two meshes, two steps."""
+    runs = [(RADIUS / 4, share, {"-ring": 4}) for share in (2, 0.5)] + [(RADIUS / 8, 2, {"-ring": 4})]
+    yield from pushed(context, in_ring, False, runs, ("box", "--width", "2", "--height", "2"), 0.15, "disk in a round box")
+
+
+def graded_mesh(context):
+    """A disk pushed to the floor, where elements are half as high as at the disk's top: three places in the mesh."""
+    runs = [(RADIUS / 4, 2, {"-graded": 1.25, "-x": 1 + RADIUS / 4 * k / 3}) for k in range(3)]
+    yield from pushed(context, at_wall, False, runs, ("box", "--width", "2", "--height", "2"), 0.15, "disk and wall, graded mesh")
 
 
 def two_disks(context):
@@ -171,4 +193,4 @@ def push_and_pull(context):
             run.folder.table("near")["gap"][-1], rtol=0.05, cpu_s=run.cpu_s)
 
 
-VALIDATIONS = [disk_and_wall, two_disks, along, thrown, push_and_pull]
+VALIDATIONS = [disk_and_wall, curved_wall, graded_mesh, two_disks, along, thrown, push_and_pull]
