@@ -188,8 +188,8 @@ def test_a_heap_that_lies_is_carried_by_its_contacts(freefem_text, tmp_path):
     """From a gap of 0: disks on the floor and on each other, and a disk on an ellipse. Each body's contacts carry what lies on it, so
     that films and fluid carry less than a thousandth of the weight."""
     r, step = 0.125, 0.002
-    freefem_text(case(f"{{ bodyDisk({r}, {r}, {r}, 3); bodyDisk({3 * r}, {r}, {r}, 3); bodyEllipse({6 * r}, {r}, {2 * r}, {r}, 0, 3); "
-        f"bodyDisk({6 * r}, {3 * r}, {r}, 3); bodyDisk({2 * r}, {r}*(1 + sqrt(3.)), {r}, 3); }}", mu=0.02, gravity=-10), "-dt", step,
+    freefem_text(case(f"{{ bodyDisk({r}, {r}, {r}, 3); bodyDisk({3 * r}, {r}, {r}, 3); "
+        f"bodyEllipse({6 * r}, {r}, {2 * r}, {r}, 0, 3); bodyDisk({6 * r}, {3 * r}, {r}, 3); bodyDisk({2 * r}, {r}*(1 + sqrt(3.)), {r}, 3); }}", mu=0.02, gravity=-10), "-dt", step,
         "-cfl", 0, "-tend", 60 * step, "-every", 0, "-forces", 1, "-out", tmp_path / "run")
     run, weight = RunFolder(tmp_path / "run"), 20 * np.pi * r**2 * np.array([1, 1, 2, 1, 1])
     contacts, forces = run.table("contacts"), run.table("forces")
@@ -204,7 +204,8 @@ def test_a_heap_that_lies_is_carried_by_its_contacts(freefem_text, tmp_path):
 
 def test_disks_and_ellipses_that_have_settled_are_carried_by_their_contacts(freefem_text, tmp_path):
     """They sink through their films, with the roughness of the default."""
-    for name, bodies, area, end in (("row", "bodyDisk(0.253, 0.13, 0.12, 3); bodyEllipse(0.703, 0.1, 0.16, 0.09, 0, 3);", 0.0288, 2),
+    for name, bodies, area, end in (
+        ("row", "bodyDisk(0.253, 0.13, 0.12, 3); bodyEllipse(0.703, 0.1, 0.16, 0.09, 0, 3);", 0.0288, 2),
         ("heap", "for (int k = 0; k < 4; ++k) bodyDisk(0.125 + 0.25*k, 0.13, 0.12, 3); for (int k = 0; k < 3; ++k) "
             "bodyDisk(0.25 + 0.25*k, 0.14 + 0.125*sqrt(3.), 0.12, 3);", 7 * 0.0144, 2.4)):
         freefem_text(case("{ " + bodies + " }", mu=0.002, gravity=-10), "-dt", 0.004, "-cfl", 0, "-tend", end, "-every", 0, "-forces",
