@@ -107,6 +107,21 @@ def test_coulombs_law_holds(tmp_path, kind):
     assert np.abs((q - table(DATA.format(kind, "coulomb"))[:, 1:]) / unit).max() < 1e-6
 
 
+@pytest.mark.parametrize("kind, number, mu", [("gravity", 20, 10), pytest.param("random", 30, 10, marks=pytest.mark.slow),
+    pytest.param("gravity", 30, 5, marks=pytest.mark.slow), pytest.param("random", 50, 5, marks=pytest.mark.slow)])
+def test_coulombs_law_holds_for_large_coefficients(tmp_path, kind, number, mu):
+    """Pivots find a solution where the gradient and Newton's method do not converge. (The residual was 0.02 to 0.13 mean radii.)"""
+    bodies, walls = table(DATA.format(kind, "bodies"))[:number], table(DATA.format(kind, "walls"))
+    bodies[:, 6] = walls[:, 4] = mu
+    np.savetxt(tmp_path / "bodies.csv", bodies, "%.17g", ",", header=HEADER, comments="")
+    np.savetxt(tmp_path / "walls.csv", walls, "%.17g", ",", header="x1,y1,x2,y2,friction", comments="")
+    q, contacts = solved(tmp_path, tmp_path / "bodies.csv", tmp_path / "walls.csv", "coulomb")
+    judge = Judge(bodies, walls)
+    n, f, after = judge.velocities(contacts)
+    assert judge.residual(n, f, after) < 1e-9 and (n >= 0).all() and judge.energy(after) < judge.energy(judge.before)
+    assert (judge.gap + DT * (judge.normal @ q.ravel())).min() > -1e-9 * judge.length
+
+
 def test_the_judge_tells_solutions_apart(tmp_path):
     """Friction that is 1 % too small is seen by the residual."""
     _, contacts = solved(tmp_path, DATA.format("random", "bodies"), DATA.format("random", "walls"), "coulomb")

@@ -21,6 +21,7 @@ from tools.base.runner import finished, run_command
 from tools.base.tables import read_table, write_table
 
 RESTITUTION, POISSON, VELOCITY, STEPS, SKIN = 0.06, 0.3, 2.0, 25, 0.6  # m/s, steps of a collision, mean radii
+PIECE = 100  # longest triangle of a wall, heights
 PROGRAM = "liggghts"
 MISSING = "LIGGGHTS is not there (Debian: apt-get install liggghts): the discrete element method is left out"
 
@@ -63,9 +64,14 @@ def data_text(centres, radius, masses, walls):
 
 
 def walls_text(walls, height):
-    """The walls as an STL file of triangles from -height to height."""
-    lines = ["solid walls"]
-    for a, b, c, d in walls:
+    """The walls as an STL file of triangles from -height to height, in pieces of at most PIECE heights: LIGGGHTS stops without a
+    word at slimmer ones."""
+    lines, pieces = ["solid walls"], []
+    for wall in np.asarray(walls, float):
+        number = int(np.ceil(np.hypot(*(wall[2:] - wall[:2])) / (PIECE * height)))
+        ends = np.linspace(wall[:2], wall[2:], max(number, 1) + 1)
+        pieces += [np.concatenate(pair) for pair in zip(ends[:-1], ends[1:])]
+    for a, b, c, d in pieces:
         corners = [(a, b, -height), (c, d, -height), (c, d, height), (a, b, height)]
         for some in ((0, 1, 2), (0, 2, 3)):
             lines += ["facet normal 0 0 0", "outer loop", *("vertex {:.12g} {:.12g} {:.12g}".format(*corners[k]) for k in some),

@@ -4,6 +4,7 @@ import numpy as np
 from tools.peers.collapse import column, extent
 
 G, R = 9.81, 0.01
+HEAP = {"-number": 200, "-dt": 0.002, "-friction-tol": 1e-3, "-tend": 2.2}
 SCENE = """
 include "lib/case.idp"
 include "lib/contact/walls.idp"
@@ -110,7 +111,7 @@ def heap(context):
     for mu in (0, 0.1, 0.3, 0.5, 0.8):
         angles = []
         for seed in (1, 2, 3):
-            run = context.run("cases/heap.edp", {"-friction": mu, "-seed": seed, "-every": 0.5}, f"{mu}_{seed}")
+            run = context.run("cases/heap.edp", {"-friction": mu, "-seed": seed, "-every": 0.2, **HEAP}, f"{mu}_{seed}")
             angles.append(slope(run))
             spent += run.cpu_s
         mean = np.mean(angles)

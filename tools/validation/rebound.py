@@ -37,6 +37,22 @@ def rebound(table, mu):
     return DENSITY * speed * 2 * RADIUS / (9 * mu), back / speed
 
 
+def draw(found, path):
+    """Saves the picture; found: {elements per radius: [(Stokes number, speed of rebound over that of impact), ...]}."""
+    figure, axes = axes_of()
+    for number, (cells, pairs) in enumerate(sorted(found.items())):
+        axes.semilogx(*zip(*pairs), **(curve(number) | {"linestyle": "none", "marker": "os"[number % 2]}),
+            markerfacecolor="none" if number == 0 else None, label=f"with the fluid, elements of R/{cells}")
+    line = np.geomspace(2, 600, 600)
+    axes.semilogx(line, lubrication(line), **(curve(2) | {"marker": ""}), label="lubrication alone")
+    axes.axhline(RESTITUTION, **(curve(3) | {"marker": ""}), label=f"dry, e = {RESTITUTION}")
+    axes.set_xlabel("Stokes number at a gap of a quarter of the radius")
+    axes.set_ylabel("speed of rebound over that of impact")
+    axes.set_ylim(-0.03, 1.03)
+    axes.legend()
+    save(figure, path)
+
+
 def thrown_at_a_wall(context):
     """Rebound against the Stokes number, elements of a quarter and of an eighth of the radius."""
     found = {}
@@ -57,16 +73,7 @@ def thrown_at_a_wall(context):
         if len(values) == 2:
             yield context.row(f"Stokes number {stokes} at the start ({values[1][0]:.3g} at the wall): speed of rebound over "
                 "that of impact, from mesh to mesh", OWN, values[1][1], values[0][1], atol=0.05, cpu_s=cpu)
-    figure, axes = axes_of()
-    for number, (cells, pairs) in enumerate(sorted(found.items())):
-        axes.semilogx(*zip(*pairs), **(curve(number) | {"linestyle": "none", "marker": "os"[number % 2]}),
-            label=f"elements of R/{cells}")
-    line = np.geomspace(3, 600, 300)
-    axes.semilogx(line, lubrication(line), **(curve(2) | {"marker": ""}), label="lubrication alone")
-    axes.set_xlabel("Stokes number at a gap of a quarter of the radius")
-    axes.set_ylabel("speed of rebound over that of impact")
-    axes.legend()
-    save(figure, context.figure_path("rebound"))
+    draw(found, context.figure_path("rebound"))
 
 
 VALIDATIONS = [thrown_at_a_wall]
