@@ -131,7 +131,7 @@ def released_spheres(context):
 
 
 def held_sphere(context):
-    """A stream past a fixed sphere at a Reynolds number of 100: drag, 2 % with 12 elements to the diameter; length of the wake, 2 % with 16.
+    """A stream past a fixed sphere at a Reynolds number of 100: drag, 2 % with 12 elements to the diameter; wake, 2 % with 16.
 
     Reference: tools/validation/held_sphere_axial.edp, the axially symmetric flow in a domain of this size."""
     for elements, within in ((6, 0.05), (12, 0.02), (16, 0.02)):
@@ -144,7 +144,7 @@ def held_sphere(context):
 
 
 def two_spheres(context):
-    """Two spheres in a box, 4 elements to the diameter: the trailing one catches up with the leading one, touches it, and the pair turns over."""
+    """Two spheres in a box, 4 elements to the diameter: the trailing one catches up, touches the leading one, and the pair turns over."""
     run = context.run("cases/two_spheres.edp", {"-tend": 0.6}, "two", mesh=("two_spheres", 1 / 24))
     rows, fluid = run.folder.columns("particles"), run.folder.columns("fluid")
     lead, trail = rows["id"] == 0, rows["id"] == 1
