@@ -131,8 +131,8 @@ include "scripts/spheres.edp"
 
 @pytest.mark.slow
 def test_stabilisation_keeps_the_order(freefem_text, tmp_path):
-    """An exact flow whose vorticity is parallel to it, at Reynolds numbers of the elements above 100 (Arnold 1965; Childress 1970): the
-    error falls at least in second order, and to less than half of that without stabilisation."""
+    """An exact flow whose vorticity is parallel to it (Arnold 1965; Childress 1970), at Reynolds numbers of the elements above 100:
+    the error falls at least in second order, and to less than half of that without stabilisation."""
     error = {}
     for cells, factor in ((4, 0.1), (8, 0.1), (8, 0)):
         mesh = make_mesh(tmp_path / f"{cells}_{factor}.mesh", "sphere_lattice", "--size", 1 / cells)

@@ -114,6 +114,8 @@ def test_steady_flows_have_one_judge(tmp_path, monkeypatch):
 def test_every_registered_comparison_has_a_line_on_itself():
     found = discover()
     assert "settling_disk" in found
+    assert validate.chosen(found, ["two_spheres"]) == [pair for pair in validate.chosen(found, ["spheres"])
+        if pair[1].__name__ == "two_spheres"]
     for functions in found.values():
         assert functions and all(one.__doc__ for one in functions)
 

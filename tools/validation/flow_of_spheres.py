@@ -131,7 +131,7 @@ def released_spheres(context):
 
 
 def held_sphere(context):
-    """A stream past a fixed sphere at a Reynolds number of 100: drag, 2 % with 12 elements to the diameter; length of the wake, 2 % with 16.
+    """A stream past a fixed sphere at a Reynolds number of 100: drag, 2 % with 12 elements to the diameter; wake, 2 % with 16.
 
     Reference: tools/validation/held_sphere_axial.edp, the axially symmetric flow in a domain of this size."""
     for elements, within in ((6, 0.05), (12, 0.02), (16, 0.02)):
@@ -144,7 +144,7 @@ def held_sphere(context):
 
 
 def two_spheres(context):
-    """Two spheres in a box, 4 elements to the diameter: the trailing one catches up with the leading one, touches it, and the pair turns over."""
+    """Two spheres in a box, 4 elements to the diameter: the trailing one catches up, touches the leading one, and they turn over."""
     run = context.run("cases/two_spheres.edp", {"-tend": 0.6}, "two", mesh=("two_spheres", 1 / 24))
     rows, fluid = run.folder.columns("particles"), run.folder.columns("fluid")
     lead, trail = rows["id"] == 0, rows["id"] == 1
@@ -181,8 +181,8 @@ BRENNER = {1.0: 2.1255, 0.5: 3.2054, 0.25: 5.3053, 0.1: 11.459}
 
 
 def sphere_towards_floor(context):
-    """Resistance towards a floor: 5 % where the gap has an element, else 25 %; 2 and 4 elements in a radius, the box is 24 radii
-    wide. Resistance on the axis of a square duct 20 radii wide: 2 % with 4 elements to the diameter."""
+    """Resistance towards a floor with films, after 120 steps: 5 % where the gap has an element, else 25 %; 2 and 4 elements in a
+    radius, the box is 24 radii wide. Resistance on the axis of a square duct 20 radii wide: 2 % with 4 elements to the diameter."""
     script = context.out / "towards.edp"
     script.parent.mkdir(parents=True, exist_ok=True)
     script.write_text(TOWARDS)
@@ -190,7 +190,7 @@ def sphere_towards_floor(context):
         mesh = context.mesh("settling_sphere", 1 / elements, "--width", "24", "--height", "24", "--corridor", "1.5",
             "--corridor-top", "4", "--growth", "8", "--coarse", "8")
         for gap, exact in BRENNER.items():
-            run = context.run(script.resolve(), {"-gap": gap}, f"towards_{elements}_{gap}", mesh=mesh)
+            run = context.run(script.resolve(), {"-gap": gap, "-film": 1, "-tend": 6}, f"towards_{elements}_{gap}", mesh=mesh)
             force = run.folder.columns("forces")["fz"][-1] / (6 * np.pi * 1e-6)
             yield context.row(f"sphere towards a floor, gap of {gap} radii, {2 * elements} elements to the diameter: resistance",
                 "Brenner 1961", exact, force, rtol=0.05 if gap * elements >= 1 else 0.25, cpu_s=run.cpu_s)
