@@ -23,13 +23,25 @@ def test_free_bodies_with_forces(tmp_path):
 
 
 def test_periodic_sides(tmp_path):
-    """Disks that meet across the period along x, and one in the four corners of a box that is periodic both ways, on three parts."""
+    """Disks that meet across the period along x, and one in the four corners of a box that is periodic both ways, on three parts; the
+    pressure by a Schur complement."""
     (tmp_path / "disks.csv").write_text("id,x,y,radius,density,u,v,omega\n1,0.9,0.62,0.08,1.5,2,0,0\n2,0.07,0.63,0.08,1.5,0,0,0\n"
         "3,0.01,0.98,0.1,1.5,1,1,3\n")
     folder = compare(3, tmp_path, "cases/carried_disk.edp", "-particles", tmp_path / "disks.csv", "-tend", "0.02", "-every", "0",
-        "-fluxes", "1", "-forces", "1")
+        "-fluxes", "1", "-forces", "1", "-pressure-solver", "schur")
     met = numbers(folder, "particles.csv")
     assert met["v"][met["id"] == 2][-1] > 0  # moved by the disk that met it across the period
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number, words", [
+    (6, ["cases/template.edp", "-tend", "0.01", "-every", "0"]),  # auto: a Schur complement; a process with few nodes of a body
+    (5, ["cases/template.edp", "-tend", "0.01", "-every", "0", "-pressure-solver", "factor"]),
+    (4, [*PIPE, "-tend", "0.05", "-pressure-solver", "schur"]),  # outlets, and impulses with a pressure of 0 there
+    (2, ["cases/cylinder_channel.edp", "-tend", "0.02", "-forces", "1", "-pressure-solver", "schur"]),
+])
+def test_the_pressure_on_more_processes(tmp_path, number, words):
+    compare(number, tmp_path, *words)
 
 
 def test_films_and_a_start_from_another_run(tmp_path):

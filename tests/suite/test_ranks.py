@@ -12,7 +12,10 @@ LOCAL = {"rigidCount", "rigidCandidates", "rigidNode", "cutN", "gapN", "gapCut",
     "fluxNode", "leavingN"}
 COLLECTIVE = {"ranksSum", "ranksMax", "ranksMin", "ranksSums", "ranksTops", "ranksDot", "ranksReport", "partPass", "partNodes",
     "partPair", "partVertices", "partDotW", "partDotQ", "partSumQ", "partSolve", "partGatherW", "partGatherQ", "partPoints",
-    "rigidSums", "rigidAdd", "rigidTotal", "partTriple", "partGather", "solidSums", "solidAdd", "ghostLook", "poissonSolve"}
+    "rigidSums", "rigidAdd", "rigidTotal", "partTriple", "partGather", "solidSums", "solidAdd", "ghostLook", "poissonSolve", "pressureApply", "schurSolve", "schurSum"}
+# Functions that compare the size of a list of a part with more than 0: both branches give the same values at the nodes of the part.
+BOTH_WAYS = {"rigidFindHere": "rigidSeenX", "ghostForce": "rowsShare", "gapLocate": "rowsShare", "pressureCarryHere": "rowsShare",
+    "windowCarry": "rowsShare", "impactFind": "impactAt.n > n"}
 ROOMS = ("lib/flow/", "lib/immersed/", "lib/motion/", "lib/scheme/", "lib/record/", "lib/spheres/")
 
 
@@ -57,6 +60,22 @@ def wrong(name, body, sums):
         if (sums - {name}) & set(re.findall(r"\w+", kept_from)):
             found.append((name, condition))
     return found
+
+
+def sized(body):
+    """The comparisons of a body of sizes of a part, or of copies of them, with anything but 0."""
+    local = LOCAL | {copy for copy, name in re.findall(r"\b(\w+) = (\w+)(?:\.n)?\s*[,;]", body) if name in LOCAL}
+    word = re.compile(rf"[^;{{}}\n]*\b(?:{'|'.join(sorted(local))})(?:\.n)?\s*(?:<=|>=|==|!=|<(?!=)|>(?!=))(?!\s*0\b)[^;\n]*")
+    found = (match.group().strip() for match in word.finditer(reduced(body)))
+    return [line for line in found if not re.search(r"\bfor \(int \w+ = \w+; \w+ < ", line)]
+
+
+def test_no_process_decides_by_the_size_of_its_part():
+    """Ghost values were those of all nodes on a process with few of them, and of those near the edge on another: bodies turned."""
+    found = {(name, line) for name, body in all_functions() for line in sized(body)}
+    assert [both for both in sorted(found) if BOTH_WAYS.get(both[0], "no such text") not in both[1]] == []
+    assert sized("int every = rigidCount < ghostFew;") and sized("int m = cutN; if (m > few) f();")
+    assert not sized("int every = ranksMax(rigidCount) < few; for (int k = 0; k < cutN; ++k) f(); if (rigidCount == 0) return 0;")
 
 
 def test_no_sum_over_processes_in_a_branch_on_what_a_part_holds():
