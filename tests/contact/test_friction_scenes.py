@@ -224,8 +224,8 @@ def test_bad_coefficients_are_refused(freefem_text, tmp_path, line, words):
     assert done.returncode == 3 and len(done.stderr.strip().splitlines()) == 1 and words in done.stderr
 
 
-@pytest.mark.parametrize("words", [("-friction", -0.1), ("-friction-wall", "x"), ("-friction-law", "dry"), ("-friction-tol", 0),
-    ("-friction", 0.1, "-contact-form", "ballistic")])
+@pytest.mark.parametrize("words", [("-friction", -0.1), ("-friction-wall", "x"), ("-friction-law", "dry"), ("-friction-tol", 0.2),
+    ("-contact-overlap", 1), ("-contact-tol", 0.1), ("-friction", 0.1, "-contact-form", "ballistic")])
 def test_bad_options_are_refused(tmp_path, words):
     done = run_freefem("cases/falling_particles.edp", "-tend", 0.1, "-out", tmp_path / "run", *words, check=False)
     assert done.returncode == 3 and len(done.stderr.strip().splitlines()) == 1 and done.stderr.startswith("error: "), done.stderr

@@ -306,6 +306,17 @@ def test_what_makes_no_scene_is_refused(bodies, status, words, scene):
     assert done.returncode == status and words in done.stderr, done.stderr
 
 
+@pytest.mark.parametrize("rows, words", [
+    ("0,0.5,0,0,0.1\n0,0.5,1,0,0.1\n0,0.5,1,1,0.1\n", "row 2: part 0, closed 0.5"),
+    ("0,0,0,0,0.1\n1,0,1,0,0.1\n0,0,1,1,0.1\n", "row 4: part 0 again"),
+    ("0,1,0,0,0.1\n1,0,1,0,0.1\n", "of 1 vertex, is given as a closed polygon"),
+])
+def test_a_bad_shape_file_is_refused(rows, words, scene, tmp_path):
+    (tmp_path / "shape.csv").write_text("part,closed,x,y,radius\n" + rows)
+    done = scene([f'bodyShaped("{tmp_path}/shape.csv", 0, 2, 0, 1);'], [], "-dt", 0.01, "-tend", 0.02, check=False)
+    assert done.returncode == 3 and words in done.stderr and done.stderr.count("\n") == 1, done.stderr
+
+
 @pytest.mark.parametrize("option", [("-cohesion", 0.5)])
 def test_options_that_shapes_do_not_take_are_refused(option, scene):
     done = scene([capsule(0, 1, 0.1, 0.1, 0)], [], "-dt", 0.01, "-tend", 0.02, *option, check=False)

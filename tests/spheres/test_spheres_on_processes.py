@@ -6,6 +6,7 @@ import signal
 import subprocess
 import time
 
+import numpy as np
 import pytest
 
 from tests.conftest import ROOT, make_mesh, run_freefem
@@ -181,6 +182,7 @@ def test_spheres_that_enter_touch_and_leave(pipe, on_two, tmp_path):
     assert len(set(numbers(on_two, "particles.csv")["id"])) == 7
     for table in ("exits.csv", "contacts.csv", "forces.csv"):
         assert len((on_two / table).read_text().splitlines()) > 1, table
+    assert set(np.atleast_1d(numbers(on_two, "exits.csv")["label"])) == {2}  # the outlet
     assert (on_two / "fields_0000010.vtu").stat().st_size == (tmp_path / "one/fields_0000010.vtu").stat().st_size
 
 

@@ -42,6 +42,9 @@ def test_a_run_without_fields_or_mesh_is_drawn_from_its_particles(tmp_path, caps
     assert plot.main([str(folder), "--frames", "5"]) == 0
     assert (folder / "fields.png").is_file() and (folder / "trajectories.png").is_file()
     assert "fields.png (particles only: the run wrote no velocity" in capsys.readouterr().out
+    write_csv(folder / "steps.csv", ["step", "t"], [[k, 0.1 * k] for k in range(11)])  # of a transport run
+    assert plot.main([str(folder), "--only", "fields"]) == 0
+    assert "fields.png (particles only: python -m tools.plot_transport draws the flow" in capsys.readouterr().out
 
 
 def test_what_a_run_does_not_hold_is_said(tmp_path, capsys):

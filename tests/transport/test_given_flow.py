@@ -122,6 +122,7 @@ def test_what_does_not_fit_is_refused(freefem_refused, growing, tmp_path):
         return freefem_refused(3, SCRIPT, *words, "-out", tmp_path / "run")
 
     assert "no flow is given: -flow FOLDER" in line("-mesh", ROOT / "meshes/channel.mesh")
+    assert "nowhere/flow.txt" in (said := line("-flow", "nowhere")) and "python -m tools.flow has made" in said
     assert "lasts 3 s, the run needs 4" in line("-flow", growing, "-flow-start", 2, "-tend", 2)
     assert "does not belong to the mesh" in line("-flow", growing, "-mesh", ROOT / "meshes/channel.mesh")
     assert "has no k and epsilon" in line("-flow", ROOT / "meshes/openfoam_pipe", "-turbulence", "fluctuation")

@@ -257,7 +257,8 @@ def main(words=None):
             path = draw[name](run, out / f"{name}.png")
         made += 1
         bare = name == "fields" and all(field is None for _, field in run.frames)
-        print(f"{name}: {path}" + (" (particles only: the run wrote no velocity, see -fields)" if bare else ""), flush=True)
+        alone = "python -m tools.plot_transport draws the flow" if run.has("steps") else "the run wrote no velocity, see -fields"
+        print(f"{name}: {path}" + (f" (particles only: {alone})" if bare else ""), flush=True)
     if not made:
         raise BadInput(f"nothing in {run.folder} can be drawn")
     return 0
