@@ -9,10 +9,11 @@ from tests.rooms import closing, functions, texts
 LOCAL = {"rigidCount", "rigidCandidates", "rigidNode", "cutN", "gapN", "gapCut", "windowN", "impactAt", "ghostAt", "frameNode",
     "frameEach", "frameBody", "frameLast", "frameTwice", "onsetNode", "guardNode", "framePlaneX", "partOwnW", "partOwnQ",
     "solidN", "solidNode", "solidOwner", "solidNearNode", "ghostN", "ghostNode", "ghostOwner", "ghostHit", "fluxN", "fluxNear",
-    "fluxNode", "leavingN"}
+    "fluxNode", "leavingN", "schurEdge", "schurNumber", "partGiven", "partNeeds"}
 COLLECTIVE = {"ranksSum", "ranksMax", "ranksMin", "ranksSums", "ranksTops", "ranksDot", "ranksReport", "partPass", "partNodes",
     "partPair", "partVertices", "partDotW", "partDotQ", "partSumQ", "partSolve", "partGatherW", "partGatherQ", "partPoints",
-    "rigidSums", "rigidAdd", "rigidTotal", "partTriple", "partGather", "solidSums", "solidAdd", "ghostLook", "poissonSolve", "pressureApply", "schurSolve", "schurSum"}
+    "rigidSums", "rigidAdd", "rigidTotal", "partTriple", "partGather", "solidSums", "solidAdd", "ghostLook", "poissonSolve",
+    "pressureApply", "schurSolve", "schurSum"}
 # Functions that compare the size of a list of a part with more than 0: both branches give the same values at the nodes of the part.
 BOTH_WAYS = {"rigidFindHere": "rigidSeenX", "ghostForce": "rowsShare", "gapLocate": "rowsShare", "pressureCarryHere": "rowsShare",
     "windowCarry": "rowsShare", "impactFind": "impactAt.n > n"}
@@ -65,7 +66,8 @@ def wrong(name, body, sums):
 def sized(body):
     """The comparisons of a body of sizes of a part, or of copies of them, with anything but 0."""
     local = LOCAL | {copy for copy, name in re.findall(r"\b(\w+) = (\w+)(?:\.n)?\s*[,;]", body) if name in LOCAL}
-    word = re.compile(rf"[^;{{}}\n]*\b(?:{'|'.join(sorted(local))})(?:\.n)?\s*(?:<=|>=|==|!=|<(?!=)|>(?!=))(?!\s*0\b)[^;\n]*")
+    word = re.compile(rf"[^;{{}}\n]*(?<![.\w])(?:{'|'.join(sorted(local))})(?:\.n)?\s*"
+        r"(?:<=|>=|==|!=|<(?!=)|>(?!=))(?!\s*0\b)[^;\n]*")
     found = (match.group().strip() for match in word.finditer(reduced(body)))
     return [line for line in found if not re.search(r"\bfor \(int \w+ = \w+; \w+ < ", line)]
 
