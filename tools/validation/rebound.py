@@ -42,14 +42,14 @@ def draw(found, path):
     figure, axes = axes_of()
     for number, (cells, pairs) in enumerate(sorted(found.items())):
         axes.semilogx(*zip(*pairs), **(curve(number) | {"linestyle": "none", "marker": "os"[number % 2]}),
-            markerfacecolor="none" if number == 0 else None, label=f"with the fluid, elements of R/{cells}")
+            markerfacecolor="none" if number == 0 else None, label=f"elements of R/{cells}")
     line = np.geomspace(2, 600, 600)
     axes.semilogx(line, lubrication(line), **(curve(2) | {"marker": ""}), label="lubrication alone")
     axes.axhline(RESTITUTION, **(curve(3) | {"marker": ""}), label=f"dry, e = {RESTITUTION}")
     axes.set_xlabel("Stokes number at a gap of a quarter of the radius")
     axes.set_ylabel("speed of rebound over that of impact")
     axes.set_ylim(-0.03, 1.03)
-    axes.legend()
+    axes.legend(loc="upper left", bbox_to_anchor=(0, 0.91))
     save(figure, path)
 
 
