@@ -46,6 +46,17 @@ def test_an_option_without_a_value_or_twice_is_refused_by_a_case(freefem_refused
     assert f"option {words[0]} " in freefem_refused(3, "cases/pipe_obstacles.edp", *words)
 
 
+@pytest.mark.parametrize("right, wrong, says", [
+    ("flowPeriodX = 0", "flowPeriodX = -2", "flowPeriodX is -2"),
+    ("flowPeriodY = 0", "flowPeriodY = sqrt(-mu)", "a period is above 0, and 0 is none"),
+    ("motionBound = 1e30", "motionBound = sqrt(-mu)", "motionBound is"),
+])
+def test_a_number_of_the_case_that_makes_no_sense_is_refused(freefem_text, right, wrong, says):
+    """A negative period was taken for none, a bound that is no number for one that is never reached."""
+    done = freefem_text((ROOT / "cases/template.edp").read_text().replace(right, wrong), "-tend", 0.01, check=False)
+    assert done.returncode == 3 and says in done.stderr and done.stderr.count("\n") == 1
+
+
 def test_a_case_without_a_driver_is_refused(freefem_text, tmp_path):
     """It computed nothing and ended with status 0."""
     text = (ROOT / "cases/template.edp").read_text()
