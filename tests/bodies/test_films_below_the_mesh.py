@@ -58,8 +58,8 @@ GRADED = "macro caseDomain() Th = movemesh(Th, [x, 8*(y/8)^1.25]); // EOM"
 
 @pytest.mark.parametrize("domain, x, whole", [(CURVED.format(chords=100), 0, 1930.9), (GRADED, 4.07, 1252)])
 def test_films_at_a_curved_wall_and_in_a_graded_mesh(domain, x, whole, box, freefem_text, tmp_path):
-    """At a gap of 0.05. In a round box of four radii (finite elements in bipolar coordinates: whole) the wall was taken for straight,
-    and the disk met 0.78 of the resistance."""
+    """At a gap of 0.05. In a round box of four radii (finite elements in bipolar coordinates: whole) the wall was taken for
+    straight, and the disk met 0.78 of the resistance."""
     freefem_text(scene(f"bodyDisk({x}, 1.08, 1, 2);", domain, gravity=-2 * WEIGHT / np.pi), "-mesh", box, "-dt", 0.1, "-cfl", 0,
         "-stabilise", 0, "-tend", 4.5 if x == 0 else 2.7, "-every", 0, "-out", tmp_path / "run")
     bodies = RunFolder(tmp_path / "run").particles
@@ -159,8 +159,8 @@ TURN = LOOK.replace("    if (filmN > 0) {", """    real[int] turns(3), rates(0);
 
 @pytest.mark.parametrize("chords", [60, 300])
 def test_a_wall_in_many_pieces_is_one_film(chords, freefem_text, tmp_path):
-    """And a disk that turns with a round wall about its centre slides and rolls on it as the wall's own speed has it, 4: there is no
-    film where all turn as a whole. For a straight wall they rolled with -2."""
+    """And a disk that turns with a round wall about its centre slides and rolls on it as the wall's own speed has it, 4: there is
+    no film where all turn as a whole. For a straight wall they rolled with -2."""
     mesh = tmp_path / "round.mesh"
     text = f'border c(s = 0, 2*pi) {{ x = 4*cos(s); y = 4*sin(s); label = 3; }}\nsavemesh(buildmesh(c({chords})), "{mesh}");\n'
     done = freefem_text(text + standard_alone(case("bodyDisk(0.1, -2.92, 1, 2);", walls="labelWall", more=TURN, mu=1)), "-mesh",
@@ -185,12 +185,13 @@ def test_a_disk_that_has_landed_is_carried_by_the_contact(box, freefem_text, tmp
 
 
 def test_a_heap_that_lies_is_carried_by_its_contacts(freefem_text, tmp_path):
-    """From a gap of 0: disks on the floor and on each other, and a disk on an ellipse. Each body's contacts carry what lies on it, so
-    that films and fluid carry less than a thousandth of the weight."""
+    """From a gap of 0: disks on the floor and on each other, and a disk on an ellipse. Each body's contacts carry what lies on it,
+    so that films and fluid carry less than a thousandth of the weight."""
     r, step = 0.125, 0.002
-    freefem_text(case(f"{{ bodyDisk({r}, {r}, {r}, 3); bodyDisk({3 * r}, {r}, {r}, 3); "
-        f"bodyEllipse({6 * r}, {r}, {2 * r}, {r}, 0, 3); bodyDisk({6 * r}, {3 * r}, {r}, 3); bodyDisk({2 * r}, {r}*(1 + sqrt(3.)), {r}, 3); }}", mu=0.02, gravity=-10), "-dt", step,
-        "-cfl", 0, "-tend", 60 * step, "-every", 0, "-forces", 1, "-out", tmp_path / "run")
+    bodies = (f"{{ bodyDisk({r}, {r}, {r}, 3); bodyDisk({3 * r}, {r}, {r}, 3); bodyEllipse({6 * r}, {r}, {2 * r}, {r}, 0, 3); "
+        f"bodyDisk({6 * r}, {3 * r}, {r}, 3); bodyDisk({2 * r}, {r}*(1 + sqrt(3.)), {r}, 3); }}")
+    freefem_text(case(bodies, mu=0.02, gravity=-10), "-dt", step, "-cfl", 0, "-tend", 60 * step, "-every", 0, "-forces", 1, "-out",
+        tmp_path / "run")
     run, weight = RunFolder(tmp_path / "run"), 20 * np.pi * r**2 * np.array([1, 1, 2, 1, 1])
     contacts, forces = run.table("contacts"), run.table("forces")
     last, carried = contacts["t"] > 59.5 * step, np.zeros(5)
@@ -204,12 +205,12 @@ def test_a_heap_that_lies_is_carried_by_its_contacts(freefem_text, tmp_path):
 
 def test_disks_and_ellipses_that_have_settled_are_carried_by_their_contacts(freefem_text, tmp_path):
     """They sink through their films, with the roughness of the default."""
-    for name, bodies, area, end in (
-        ("row", "bodyDisk(0.253, 0.13, 0.12, 3); bodyEllipse(0.703, 0.1, 0.16, 0.09, 0, 3);", 0.0288, 2),
-        ("heap", "for (int k = 0; k < 4; ++k) bodyDisk(0.125 + 0.25*k, 0.13, 0.12, 3); for (int k = 0; k < 3; ++k) "
-            "bodyDisk(0.25 + 0.25*k, 0.14 + 0.125*sqrt(3.), 0.12, 3);", 7 * 0.0144, 2.4)):
-        freefem_text(case("{ " + bodies + " }", mu=0.002, gravity=-10), "-dt", 0.004, "-cfl", 0, "-tend", end, "-every", 0, "-forces",
-            1, "-out", tmp_path / name)
+    row = "bodyDisk(0.253, 0.13, 0.12, 3); bodyEllipse(0.703, 0.1, 0.16, 0.09, 0, 3);"
+    heap = ("for (int k = 0; k < 4; ++k) bodyDisk(0.125 + 0.25*k, 0.13, 0.12, 3); for (int k = 0; k < 3; ++k) "
+        "bodyDisk(0.25 + 0.25*k, 0.14 + 0.125*sqrt(3.), 0.12, 3);")
+    for name, bodies, area, end in (("row", row, 0.0288, 2), ("heap", heap, 7 * 0.0144, 2.4)):
+        freefem_text(case("{ " + bodies + " }", mu=0.002, gravity=-10), "-dt", 0.004, "-cfl", 0, "-tend", end, "-every", 0,
+            "-forces", 1, "-out", tmp_path / name)
         run, weight = RunFolder(tmp_path / name), 20 * np.pi * area
         contacts, forces = run.table("contacts"), run.table("forces")
         floor = (contacts["j"] < 0) & (np.abs(contacts["ny"]) > 0.9) & (contacts["t"] > end - 0.1)

@@ -1,5 +1,5 @@
-"""Films below the mesh: disks at walls, straight and round, and near each other, against exact and body-fitted resistances, closed forms, and
-from mesh to mesh.
+"""Films below the mesh: disks at walls, straight and round, and near each other, against exact and body-fitted resistances,
+closed forms, and from mesh to mesh.
 
 Exact, a disk at a plane: Jeffrey & Onishi, Q. J. Mech. Appl. Math. 34 (1981) 129. Two equal disks that approach each other in
 Stokes flow: a body-fitted computation, outer radius 100, of about 0.2 % (PAIR).
