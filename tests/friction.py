@@ -74,3 +74,22 @@ def struck(mass, moment, arm, velocity, mu):
         press = -rate[0] / (w[0, 0] + sense * mu * w[0, 1])
         both = np.array([press, sense * mu * press])
     return both, velocity + rows.T @ both / inertia
+
+
+def poisson(mass, moment, arm, velocity, mu, e):
+    """(velocity (u, v, omega) after a collision with a floor, share of the kinetic energy that is left) in closed form; arm: from
+    the centre to the contact. Compression and restitution each stick or slide throughout."""
+    rows = np.array([[0, 1, arm[0]], [-1, 0, arm[1]]])
+    inertia = np.array([mass, mass, moment])
+    w = (rows / inertia) @ rows.T
+    rate = rows @ velocity
+    first = np.linalg.solve(w, -rate)
+    if abs(first[1]) > mu * first[0]:
+        sense = -np.sign(rate[1])
+        press = -rate[0] / (w[0, 0] + sense * mu * w[0, 1])
+        first = np.array([press, sense * mu * press])
+    press = e * first[0]
+    left = rate + w @ (first + [press, 0])
+    both = first + [press, np.clip(-left[1] / w[1, 1], -mu * press, mu * press)]
+    after = velocity + rows.T @ both / inertia
+    return after, (inertia @ after**2) / (inertia @ velocity**2)

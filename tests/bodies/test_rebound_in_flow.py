@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from tests.contact.shapes import moments, polygon
-from tests.contact.test_rebound_of_forms import poisson
+from tests.friction import poisson
 from tests.tables import assert_refused, broken_off, momentum_told, numbers
 from tools.base.run_folder import RunFolder
 
