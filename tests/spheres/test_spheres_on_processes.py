@@ -9,9 +9,9 @@ import time
 import numpy as np
 import pytest
 
+from tests.cells import scene
 from tests.conftest import ROOT, make_mesh, run_freefem
 from tests.processes import LIMIT, assert_near, assert_same, compare, ranks
-from tests.spheres.test_sphere_periods import scene
 from tests.tables import numbers
 from tools.base.ranks import MPI_ENVIRONMENT, launcher
 
