@@ -14,7 +14,7 @@ load "msh3"
 int[int] flowNoSlip = [2, 3, 4, 5, 6], flowMoving(0), flowOutlet(0), flowSlip = [1];
 real mu = 0.7, rhoFluid = 1, gravityX = 0, gravityY = 0, gravityZ = 0;
 int withConvection = 0, withGhost = 0;
-real momentumTolerance = 1e-6;
+real momentumTolerance = 1e-6, stabilise = 0;
 mesh3 Th = cube(12, 12, 12, [3*x, 3*y, 3*z]);
 include "lib/spheres/spheres.idp"
 bodySphere(1.1, 0.6 + 0.03, 1.2, 0.6, 1);
