@@ -60,6 +60,17 @@ def leaning(major, minor, lean):
     return angle, np.sqrt(a2 * np.cos(angle)**2 + b2 * np.sin(angle)**2)
 
 
+def stopped(w, rate, mu):
+    """Impulses (normal, tangential) that stop the approach of a contact with these rates (2,), which sticks or slides throughout;
+    w (2, 2): rates by unit impulses."""
+    both = np.linalg.solve(w, -rate)
+    if abs(both[1]) > mu * both[0]:
+        sense = -np.sign(rate[1])
+        press = -rate[0] / (w[0, 0] + sense * mu * w[0, 1])
+        both = np.array([press, sense * mu * press])
+    return both
+
+
 def struck(mass, moment, arm, velocity, mu):
     """Impulses (normal, tangential) of a body that hits a wall with the normal (0, 1) and t = (-1, 0), and its velocity (u, v,
     omega) after it. arm: from the centre to the contact, which sticks or slides throughout."""
@@ -67,12 +78,7 @@ def struck(mass, moment, arm, velocity, mu):
     inertia = np.array([mass, mass, moment])
     w = (rows / inertia) @ rows.T
     velocity = np.array(velocity, float)
-    rate = rows @ velocity
-    both = np.linalg.solve(w, -rate)
-    if abs(both[1]) > mu * both[0]:
-        sense = -np.sign(rate[1])
-        press = -rate[0] / (w[0, 0] + sense * mu * w[0, 1])
-        both = np.array([press, sense * mu * press])
+    both = stopped(w, rows @ velocity, mu)
     return both, velocity + rows.T @ both / inertia
 
 
@@ -83,11 +89,7 @@ def poisson(mass, moment, arm, velocity, mu, e):
     inertia = np.array([mass, mass, moment])
     w = (rows / inertia) @ rows.T
     rate = rows @ velocity
-    first = np.linalg.solve(w, -rate)
-    if abs(first[1]) > mu * first[0]:
-        sense = -np.sign(rate[1])
-        press = -rate[0] / (w[0, 0] + sense * mu * w[0, 1])
-        first = np.array([press, sense * mu * press])
+    first = stopped(w, rate, mu)
     press = e * first[0]
     left = rate + w @ (first + [press, 0])
     both = first + [press, np.clip(-left[1] / w[1, 1], -mu * press, mu * press)]
