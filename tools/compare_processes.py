@@ -54,7 +54,8 @@ def main():
         shared = run_on(words.processes, [words.case, *words.options, "-out", many])
         apart = difference(one, many)
     times = " and ".join(f"{time:.1f}" for time in shared.cpu_s)
-    print(f"| {Path(words.case).stem} | {apart:.0e} | {alone.memory_mb:.0f} | {shared.memory_mb:.0f} | {alone.cpu_s[0]:.1f} | {times} |")
+    print(f"| {Path(words.case).stem} | {apart:.0e} | {alone.memory_mb:.0f} | {shared.memory_mb:.0f} | {alone.cpu_s[0]:.1f} | "
+        f"{times} |")
     return 0 if apart <= MOST else 1
 
 

@@ -1,5 +1,5 @@
-"""Bodies that rebound in a fluid, a thousand times as heavy as it and of little viscosity: Newton's law within what the fluid takes,
-and Poisson's with friction.
+"""Bodies that rebound in a fluid, a thousand times as heavy as it and of little viscosity: Newton's law within what the fluid
+takes, and Poisson's with friction.
 """
 import numpy as np
 import pytest
@@ -117,8 +117,8 @@ def rubbed(freefem_text, box, folder, lines, motion, *words):
 
 @pytest.mark.parametrize("kind", ["ellipse", pytest.param("polygon", marks=pytest.mark.slow)])
 def test_oblique_impacts_with_friction_are_those_of_poissons_law(kind, long_box, freefem_text, tmp_path):
-    """Four bodies on a floor, with coefficients of their own: the closed form, which the fluid changes by a hundredth. The friction of
-    the last, 1e-9, is as good as none. (It stuck: what slides was told by the last digit of its friction.)"""
+    """Four bodies on a floor, with coefficients of their own: the closed form, which the fluid changes by a hundredth. The friction
+    of the last, 1e-9, is as good as none. (It stuck: what slides was told by the last digit of its friction.)"""
     rng = np.random.default_rng(1)
     one = np.column_stack([rng.uniform(0.1, 1.4, 4), rng.uniform(-1, 1, 4), rng.uniform(-1.5, -1, 4), rng.uniform(-3, 3, 4),
         [0.2, 0.5, 1, 1e-9], [0.8, 0.4, 1, 0.6]])
@@ -165,7 +165,8 @@ def test_a_crowd_that_rebounds_and_rubs_gains_no_energy(kind, density, seed, lon
     for k in range(10):
         x, y, mu, e, own = 0.45 + 0.5 * (k % 5), 0.22 + 0.36 * (k // 5), rng.uniform(0.1, 1), rng.uniform(0.2, 1), rng.uniform(0, 3)
         if kind == "ellipse":
-            made = f"bodyRough(bodyEllipse({x}, {y}, 0.12, {rng.uniform(0.06, 0.12)}, {own}, {density * rng.uniform(0.5, 2)}), {mu});"
+            made = (f"bodyRough(bodyEllipse({x}, {y}, 0.12, {rng.uniform(0.06, 0.12)}, {own}, {density * rng.uniform(0.5, 2)}), "
+                f"{mu});")
         else:
             around = own + 2 * np.pi / (3 + k % 3) * np.arange(3 + k % 3)
             made = polygon([x, y] + 0.1 * np.column_stack([np.cos(around), np.sin(around)]), 0.02, mu=mu)

@@ -23,8 +23,8 @@ def test_free_bodies_with_forces(tmp_path):
 
 
 def test_periodic_sides(tmp_path):
-    """Disks that meet across the period along x, and one in the four corners of a box that is periodic both ways, on three parts; the
-    pressure by a Schur complement."""
+    """Disks that meet across the period along x, and one in the four corners of a box that is periodic both ways, on three parts;
+    the pressure by a Schur complement."""
     (tmp_path / "disks.csv").write_text("id,x,y,radius,density,u,v,omega\n1,0.9,0.62,0.08,1.5,2,0,0\n2,0.07,0.63,0.08,1.5,0,0,0\n"
         "3,0.01,0.98,0.1,1.5,1,1,3\n")
     folder = compare(3, tmp_path, "cases/carried_disk.edp", "-particles", tmp_path / "disks.csv", "-tend", "0.02", "-every", "0",

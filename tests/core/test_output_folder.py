@@ -96,7 +96,8 @@ def test_a_run_without_a_list_of_its_files_is_not_replaced(ended, tmp_path):
 
 
 def started(folder, *words):
-    """A run under way that has written a checkpoint. What is started in the background of a script ignores SIGINT; the run does not."""
+    """A run under way that has written a checkpoint. What is started in the background of a script ignores SIGINT; the run
+    does not."""
     process = subprocess.Popen([FREEFEM, "-nw", *map(str, words), "-out", str(folder)], cwd=ROOT, stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL, start_new_session=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     assert eventually(lambda: list(folder.glob("restart_*.sha")), 30)

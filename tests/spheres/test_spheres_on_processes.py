@@ -53,7 +53,8 @@ def test_spheres_that_collide_across_a_periodic_side(tmp_path):
 @pytest.mark.slow
 def test_a_periodic_cell_on_three_processes(tmp_path):
     """Forces, fields, conjugate gradients for the pressure, and a checkpoint that two processes take up."""
-    words = ["-tend", "0.24", "-every", "0", "-forces", "1", "-friction", "0.3", "-checkpoint", "8", "-direct", "50", "-fields", "0.1"]
+    words = ["-tend", "0.24", "-every", "0", "-forces", "1", "-friction", "0.3", "-checkpoint", "8", "-direct", "50",
+        "-fields", "0.1"]
     folder = across(tmp_path, 3, *words)
     for name in ("fields_0000005.vtu", "fields_0000010.vtu"):
         assert (folder / name).stat().st_size == (tmp_path / "one" / name).stat().st_size

@@ -54,7 +54,8 @@ def start(folder, mesh, words=WHOLE):
 
 def test_checkpoints_and_the_end_of_a_run_bear_on_its_last_digits_only(freefem, cell, tmp_path):
     """Touching disks in a viscous shear flow: often saved, ended and gone on with, or neither, far below what a step changes."""
-    words = ["cases/sheared_suspension.edp", "-mesh", cell, "-fraction", "0.4", "-seed", "2", "-film", "0", "-tolerance", "1e-11", "-every", "0"]
+    words = ["cases/sheared_suspension.edp", "-mesh", cell, "-fraction", "0.4", "-seed", "2", "-film", "0", "-tolerance", "1e-11",
+        "-every", "0"]
     freefem(*words, "-tend", "0.36", "-out", tmp_path / "plain")
     freefem(*words, "-tend", "0.36", "-checkpoint", "7", "-out", tmp_path / "saved")
     freefem(*words, "-tend", "0.32", "-checkpoint", "1000", "-out", tmp_path / "half")

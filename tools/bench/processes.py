@@ -236,7 +236,8 @@ def model_lines(found):
         f"times ({cost.numbers:,.0f} numbers). A message takes {1e6 * net.message_s:.1f} us and {1e9 * net.byte_s:.2f} ns a byte, "
         f"a sum {1e6 * net.sum_s:.1f} us. A node takes {1e6 * cost.node_s:.3f} us of a step, the linear systems of the whole mesh "
         f"(all on every process, as with -pressure-solver factor) {1e3 * cost.solve_s:.1f} ms, the rest "
-        f"{1e3 * cost.fixed_s:.1f} ms. On 2 processes the model gives {1e3 * model(cost, found.shares[2], net)['whole']:.1f} ms, the measurement {1e3 * two:.1f} ms.", "",
+        f"{1e3 * cost.fixed_s:.1f} ms. On 2 processes the model gives "
+        f"{1e3 * model(cost, found.shares[2], net)['whole']:.1f} ms, the measurement {1e3 * two:.1f} ms.", "",
         "| processes | nodes of the largest part | neighbours | KiB of an array of nodes | nodes (ms) | alike on all | systems "
         "| messages | sums | a step (ms) | faster | faster, messages and sums ten times as long |", "|" + " --- |" * 12]
     for parts in sizes:

@@ -47,9 +47,10 @@ def single(points, values, names, file):
     if apart.any():
         at = np.flatnonzero(apart.any(axis=1))[0]
         (x, y), name = points[pairs[at, 0]], names[int(np.argmax(apart[at]))]
-        raise BadInput(f"{file}: {len(np.unique(pairs[apart.any(axis=1)].min(axis=1)))} points stand more than once, with values that "
-            f"contradict each other, one at ({x:g}, {y:g}) m: {name} is {values[pairs[at, 0], names.index(name)]:g} and "
-            f"{values[pairs[at, 1], names.index(name)]:g}; write one plane, at one time")
+        many = len(np.unique(pairs[apart.any(axis=1)].min(axis=1)))
+        one, other = values[pairs[at], names.index(name)]
+        raise BadInput(f"{file}: {many} points stand more than once, with values that contradict each other, one at "
+            f"({x:g}, {y:g}) m: {name} is {one:g} and {other:g}; write one plane, at one time")
     keep = np.ones(len(points), bool)
     keep[pairs.max(axis=1)] = False
     return points[keep], values[keep]
@@ -73,8 +74,8 @@ def require_there(points, mesh, file):
     if inside < min(INSIDE_LEAST, len(points) / 10):
         (x0, y0), (x1, y1) = points.min(axis=0), points.max(axis=0)
         raise BadInput(f"{file}: {inside} of its {len(points)} points lie where the mesh is, which reaches from x = {low[0]:g} to "
-            f"{high[0]:g} and y = {low[1]:g} to {high[1]:g} m, the points from x = {x0:g} to {x1:g} and y = {y0:g} to {y1:g} m; are "
-            f"both in the same unit (--scale)?")
+            f"{high[0]:g} and y = {low[1]:g} to {high[1]:g} m, the points from x = {x0:g} to {x1:g} and y = {y0:g} to {y1:g} m; "
+            f"are both in the same unit (--scale)?")
 
 
 def read(files, velocity, mesh, scale):

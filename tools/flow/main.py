@@ -139,6 +139,6 @@ def main(words=None):
     sides = np.linalg.norm(np.diff(mesh.points[mesh.edges[walls]], axis=1)[:, 0], axis=1)
     fastest = np.max(np.abs(across[walls]) / sides, initial=0)
     if fastest > THROUGH_WALLS * speed:
-        print(f"warning: fluid passes sides that are named walls, where particles stop, at up to {fastest:.3g} m/s; name inlets and "
-            f"outlets by --label, or set the velocity at walls to 0 by --no-slip", file=sys.stderr)
+        print(f"warning: fluid passes sides that are named walls, where particles stop, at up to {fastest:.3g} m/s; name inlets "
+            f"and outlets by --label, or set the velocity at walls to 0 by --no-slip", file=sys.stderr)
     return 0

@@ -144,7 +144,8 @@ def held_sphere(context):
 
 
 def two_spheres(context):
-    """Two spheres in a box, 4 elements to the diameter: the trailing one catches up, touches the leading one, and they turn over."""
+    """Two spheres in a box, 4 elements to the diameter: the trailing one catches up, touches the leading one, and they turn
+    over."""
     run = context.run("cases/two_spheres.edp", {"-tend": 0.62}, "two", mesh=("two_spheres", 1 / 24))
     rows, fluid = run.folder.columns("particles"), run.folder.columns("fluid")
     lead, trail = rows["id"] == 0, rows["id"] == 1
