@@ -17,9 +17,24 @@ from tools.base.ranks import MPI_ENVIRONMENT, launcher
 PIPE = ["cases/pipe_obstacles.edp", "-number", "12", "-first", "0", "-interval", "0.01", "-ramp", "0.05", "-every", "0"]
 
 
+PROBES = """macro caseStart() outHeader("mine.csv", "t,u,drop,inside,outside,mean"); // EOM
+macro caseStep() { real[int] px = [bodyAtX(0), 0.31, -9.], py = [bodyAtY(0), 0.42, 0.], u(0), v(0), p(0);
+    flowVelocityAt(px, py, u, v); flowPressureAt(px, py, p);
+    real[int] row = [timeNow, u[1], p[1] - p[0], hypot(u[0] - bodyAtU(0), v[0] - bodyAtV(0)), abs(u[2]) + abs(p[2]),
+        flowAverageY()];
+    outRow("mine.csv", row); } // EOM
+"""
+
+
 def test_free_bodies_with_forces(tmp_path):
-    """A disk and ellipses that begin to fall, and the forces on them."""
-    compare(2, tmp_path, "cases/template.edp", "-tend", "0.01", "-every", "0", "-forces", "1", "-wallforces", "1")
+    """A disk and ellipses that begin to fall, and the forces on them; the flow at points, within a disk and outside the domain."""
+    text = (ROOT / "cases/template.edp").read_text()
+    case = tmp_path / "own.edp"
+    case.write_text(text.replace('include "scripts/resolved.edp"', PROBES + 'include "scripts/resolved.edp"'))
+    folder = compare(2, tmp_path, case, "-tend", "0.01", "-every", "0", "-forces", "1", "-wallforces", "1")
+    mine, bodies = numbers(folder, "mine.csv"), numbers(folder, "particles.csv")
+    assert abs(mine["u"]).min() > 0 and abs(mine["drop"]).min() > 0 and not mine["outside"].any()
+    assert mine["inside"].max() < 1e-6*abs(bodies["v"]).max()
 
 
 def test_periodic_sides(tmp_path):
