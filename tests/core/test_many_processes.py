@@ -77,12 +77,20 @@ def test_one_line_and_its_status_end_all_processes():
     assert run.returncode == 3 and len(lines) == 1 and "contacts" in lines[0], run.stdout[-2000:] + run.stderr
 
 
+def test_what_one_process_alone_finds_ends_all_with_its_status(tmp_path):
+    """The first waits for a sum of both. Its end was a signal, 8 s later, and the status 137."""
+    (tmp_path / "alone.edp").write_text('include "lib/case.idp"\noptCase("alone", "one process stops");\n'
+        'if (!ranksFirst) stopRun(exitInadmissible, "one process alone has found this");\ncout << ranksSum(1.) << endl;\n'
+        'IFMACRO(neverDefined)\ninclude "scripts/flow.edp"\nENDIFMACRO\n')
+    run = ranks(2, tmp_path / "alone.edp", check=False)
+    assert run.returncode == 5 and run.stderr.splitlines() == ["error: one process alone has found this"], run.stderr
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("words, said", [
     (["cases/cavity.edp"], "steady flows"),
     (["cases/heap.edp"], "contacts without a flow"),
     (["cases/falling_spheres.edp"], "contacts without a flow"),
-    (["cases/given_flow.edp"], "point particles"),
     (["cases/settling_disk.edp", "-scheme", "published"], "-scheme published"),
     (["cases/settling_disk.edp", "-bogus", "1"], "unknown option"),
     (["cases/settling_disk.edp", "-out", "/proc/none"], "cannot write"),

@@ -13,9 +13,10 @@ from tools.base.command import ROOT, BadInput
 from tools.base.runner import freefem
 
 # One thread each for the BLAS. Open MPI refuses the administrator and more processes than cores unless it is told so; containers
-# have no other user. Where a process ends with a status, Open MPI adds ten lines to the one that says why, unless it is quiet.
+# have no other user. Where a process ends with a status, Open MPI adds ten lines to the one that says why, unless it is quiet. One
+# that ends alone waits for the others, which wait for it, unless its end is asynchronous: then its status is that of all.
 MPI_ENVIRONMENT = {"OPENBLAS_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-    "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_orte_execute_quiet": "1"}
+    "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_orte_execute_quiet": "1", "OMPI_MCA_async_mpi_finalize": "1"}
 # Runs a command, and appends its peak memory (KiB) and user CPU time (s) to a file.
 WRAPPER = ("import resource, subprocess, sys; status = subprocess.call(sys.argv[2:]); "
     "used = resource.getrusage(resource.RUSAGE_CHILDREN); open(sys.argv[1], 'a').write(f'{used.ru_maxrss} {used.ru_utime}\\n'); "
