@@ -47,7 +47,7 @@ def across(tmp_path, number, *words):
 
 
 def test_spheres_that_collide_across_a_periodic_side(tmp_path):
-    """The pressure by divided conjugate gradients: with a wrong diagonal at copies the results differed by 2e-8."""
+    """The pressure by divided conjugate gradients."""
     across(tmp_path, 2, "-tend", "0.2", "-dt", "0.04", "-every", "0", "-friction", "0.3", "-direct", "0")
 
 
