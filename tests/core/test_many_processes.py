@@ -92,6 +92,7 @@ def test_what_one_process_alone_finds_ends_all_with_its_status(tmp_path):
     (["cases/heap.edp"], "contacts without a flow"),
     (["cases/falling_spheres.edp"], "contacts without a flow"),
     (["cases/settling_disk.edp", "-scheme", "published"], "-scheme published"),
+    (["cases/settling_disk.edp", "-scheme", "multipliers"], "-scheme multipliers"),
     (["cases/settling_disk.edp", "-bogus", "1"], "unknown option"),
     (["cases/settling_disk.edp", "-out", "/proc/none"], "cannot write"),
 ])
