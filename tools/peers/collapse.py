@@ -4,9 +4,9 @@
     python -m tools.peers.collapse RUN 1e7 OUT          1e7: Young's modulus, Pa; OUT: a folder
     python -m tools.peers.collapse RUN 1e7 OUT 1.25     so many seconds after the release, which RUN need not reach
 
-Prints the mean distance from the middle and the run-out over the half width by both programs, of the disks that hang together and of
-95 % of all disks, and the CPU time of LIGGGHTS; nan where RUN has no row at the time. The aspect ratio of a loose column (-release 0) is
-that of the same disks at a solid fraction of 0.82.
+Prints the mean distance from the middle and the run-out over the half width by both programs, of the disks that hang together and
+of 95 % of all disks, and the CPU time of LIGGGHTS; nan where RUN has no row at the time. The aspect ratio of a loose column
+(-release 0) is that of the same disks at a solid fraction of 0.82.
 """
 import sys
 
@@ -42,8 +42,8 @@ def run_outs(x, y, radius, half):
 
 
 def compare(run, young, folder, span=None):
-    """(aspect ratio at the release, rows of (time after the release, the suite's three run_outs, LIGGGHTS's three), CPU s of LIGGGHTS);
-    span: s after the release."""
+    """(aspect ratio at the release, rows of (time after the release, the suite's three run_outs, LIGGGHTS's three), CPU s of
+    LIGGGHTS); span: s after the release."""
     release, ending = (RunFolder(run).parameter(name, np.nan) for name in ("-release", "-tend"))
     span = span or ending - release
     if not span > 0:
@@ -58,7 +58,8 @@ def compare(run, young, folder, span=None):
     for time, centres in zip(times[1:], places[1:]):
         now = table["t"][np.abs(table["t"] - release - time).argmin()]
         own = table["t"] == now
-        suite = run_outs(table["x"][own], table["y"][own], radius, half) if abs(now - release - time) < 0.02 * span else [np.nan] * 3
+        known = abs(now - release - time) < 0.02 * span
+        suite = run_outs(table["x"][own], table["y"][own], radius, half) if known else [np.nan] * 3
         rows.append([time, *suite, *run_outs(*centres.T, radius, half)])
     return top / half, rows, done.cpu_s
 
