@@ -43,6 +43,21 @@ def test_disks_of_less_than_a_micron_slide_along_a_slanted_wall():
     np.testing.assert_allclose(project(scene).velocity, np.tile(along, (20, 1)), atol=1e-7)
 
 
+def test_disks_that_would_pass_closely_meet_in_a_long_step():
+    """Disks of the radius R that pass each other at the distance b, and are a move s apart along it, meet in the step where
+    b^4 < 4 R^2 (s^2 + b^2), although b > 2 R: the normal is that at its start. So a step widens the disks by about s^2/(4 R)."""
+    r, dt = 0.01, 0.01
+    moves = np.repeat([0.1, 0.3, 1.0, 2.4], 2)
+    wide = r * np.sqrt(2 * (1 + np.sqrt(1 + moves**2))) * (1 + np.tile([-1e-4, 1e-4], 4))
+    pair = np.arange(8)[:, None] * [0.0, 1.0]
+    x = np.concatenate([pair, pair + np.column_stack([moves * r, wide])])
+    u = np.concatenate([np.zeros((8, 2)), np.column_stack([-moves * r / dt, np.zeros(8)])])
+    answer = project(Scene(x, np.full(16, r), np.full(16, 1.0), u), tol=1e-12)
+    assert (np.abs(answer.velocity - u).max(axis=1)[8:] > 0).tolist() == [True, False] * 4
+    assert (wide > 2 * r).all()
+    np.testing.assert_allclose((wide / r - 2)[:4], moves[:4]**2 / 4, rtol=0.1, atol=3e-4)
+
+
 def test_a_gap_is_used_up_and_no_more():
     scene = row([1.0, 1.0], [0.5, -0.5])
     scene.x[1, 0] += 0.004

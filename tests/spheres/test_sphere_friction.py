@@ -92,12 +92,13 @@ def crowd(mu):
     return np.array(rows), np.array([[*a, *b, *c, mu], [*d, *b, *c, mu]])
 
 
-@pytest.mark.parametrize("law", ["coulomb", "relaxed"])
-def test_the_law_holds_in_a_crowd(law, tmp_path):
+@pytest.mark.parametrize("law, mu", [("coulomb", 0.3), ("coulomb", 5), ("relaxed", 0.3)])
+def test_the_law_holds_in_a_crowd(law, mu, tmp_path):
     """The change of momentum and angular momentum of each sphere is that of the impulses of its contacts; these press and obey the
     law with the linearised gap: for the relaxed one, the conditions of the minimum, whose velocities are unique; no overlap; the
-    energy falls; without the floor, momentum and angular momentum about a point would be those before."""
-    mu, dt = 0.3, 0.1
+    energy falls; without the floor, momentum and angular momentum about a point would be those before. (With a coefficient of 5 the
+    residual came to a stand at 0.08 mean radii.)"""
+    dt = 0.1
     rows, floor = crowd(mu)
     velocity, spin, contacts = project(tmp_path, rows, floor, law, dt)
     place, radius, mass, inertia = rows[:, 1:4], rows[:, 4], rows[:, 5], rows[:, 6]
@@ -133,7 +134,7 @@ def test_the_law_holds_in_a_crowd(law, tmp_path):
         assert (ahead - mu * dt * slides).min() > -1e-7  # in the dual cone, and the work of n and f vanishes
         assert np.abs(n * ahead + dt * (f * slip).sum(axis=1)).max() < 1e-6
     moves = slides > 1e-5
-    assert 5 < moves.sum() < len(n) - 5
+    assert (5 if mu < 1 else 0) < moves.sum() < len(n) - 5
     np.testing.assert_allclose(f[moves], -(mu * n / slides)[moves, None] * slip[moves], atol=2e-4)
     end = place + dt * velocity
     far = np.linalg.norm(end[:, None] - end, axis=2) - radius[:, None] - radius + 9 * np.eye(len(end))

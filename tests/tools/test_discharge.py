@@ -100,6 +100,8 @@ def test_time_of_half_and_mean_height():
         discrete.discharge_time(times[:2], heights[:2])
     found = discrete.mean_height(np.array([0, 16.0]), np.array([[4.0, 2], [2.0, 2]]), np.array([3.0, 1]))
     assert found == pytest.approx(2.75 / 3.5)
+    times, places = np.array([0, 0.2, 0.6]), np.array([[0, 0.0], [0.1, -0.2], [0.3, -0.4]])
+    assert discrete.mean_distance(times, places, np.array([3.0, 1])) == pytest.approx(0.225 / discrete.HALF)
 
 
 def test_the_input_of_liggghts_holds_the_scene(tmp_path):
@@ -181,8 +183,9 @@ def test_falling_disks_of_both_agree(tmp_path):
 def test_the_part_is_one_of_the_benchmark(tmp_path):
     for quick in (True, False):
         jobs = bench.jobs_of("discrete", set(), tmp_path, quick, 9)
+        collapse = set() if quick else {"collapse", "collapse, without the start"}
         assert {job.problem for job in jobs} == {"discharge", "discharge, without the start", "fall",
-            "fall, common limit", "fall, without the start"}
+            "fall, common limit", "fall, without the start", *collapse}
         assert {job.program for job in jobs} == {"standard", "standard, loose", "LIGGGHTS"}
 
 
@@ -197,3 +200,4 @@ def test_elements_start_from_any_row_and_from_some_walls(tmp_path):
     assert centres.tolist() == [[0, 1], [0.5, 0.6]] and radius.tolist() == [0.1, 0.2] and walls.tolist() == [[5, 0, 6, 0]]
     assert with_liggghts.start(run)[0][1].tolist() == [1, 1] and len(with_liggghts.start(run)[2]) == 2
     assert "coefficientFriction peratomtypepair 1 0.5" in with_liggghts.script_text(1e7, 1e-5, 10, 5, 9.81, 0.01, 0.5)
+    assert "coefficientRestitution peratomtypepair 1 0.7" in with_liggghts.script_text(1e7, 1e-5, 10, 5, 9.81, 0.01, 0.5, 0.7)

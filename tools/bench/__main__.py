@@ -88,7 +88,8 @@ def jobs_of(part, there, out, quick, limit):
         short = {OURS: [0, 1, 2], ELEMENTS: [0, 1, 2, 3]}
         discharge = {OURS: [0], LOOSE: [0, 1], ELEMENTS: [0, 2]} if quick else {OURS: [0, 1, 2], LOOSE: [0, 1, 2, 3],
             ELEMENTS: [0, 1, 2, 3]}
-        return discrete_jobs(out, {"discharge": discharge, "fall": short}, 1 if quick else 3, limit)
+        collapse = {} if quick else {"collapse": {OURS: [0, 1, 2], ELEMENTS: [1, 2, 3]}}
+        return discrete_jobs(out, {"discharge": discharge, "fall": short, **collapse}, 1 if quick else 3, limit)
     if part == "transport":
         return transport_jobs(out, [100, 10000] if quick else [100, 1000, 10000, 100000], 2 if quick else 3)
     spheres = sphere_jobs(out, quick, limit)
@@ -105,7 +106,7 @@ def jobs_of(part, there, out, quick, limit):
 
 
 # Minutes of a part after which no further round begins; what is skipped takes 7 and 1, several processes 5 and 1.
-SHARES = {False: {"flow": 16, "particles": 12, "contacts": 6, "discrete": 3, "transport": 1, "scaling": 6},
+SHARES = {False: {"flow": 16, "particles": 12, "contacts": 6, "discrete": 6, "transport": 1, "scaling": 6},
           True: {"flow": 0.6, "particles": 1, "contacts": 0.6, "discrete": 0.5, "transport": 0.2, "scaling": 0.7}}
 
 

@@ -28,6 +28,7 @@ SHORT = {("flow", "2d1"): "DFG 2D-1, drag", ("flow", "2d2"): "DFG 2D-2, worst of
          ("discrete", "fall"): "50 falling disks, own limits", ("discrete", "fall, common limit"): "50 falling disks, common limit",
          ("discrete", "fall, without the start"): "50 falling disks, without starts",
          ("discrete", "discharge, without the start"): "hourglass, without starts",
+         ("discrete", "collapse"): "collapse of 1,000 disks", ("discrete", "collapse, without the start"): "collapse, without starts",
          ("transport", "spheres"): "1,000 carried spheres",
              ("transport", "step"): "carried spheres",
          ("contacts", "number"): "contacts", ("scaling", "unknowns"): "settling disk",

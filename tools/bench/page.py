@@ -22,6 +22,8 @@ TITLES = {
     ("discrete", "fall"): "50 falling disks: mean height at 8 s, against the limit of each series",
     ("discrete", "fall, common limit"): "50 falling disks, against the common limit",
     ("discrete", "fall, without the start"): "50 falling disks, against the limit of each series, without the time of starts",
+    ("discrete", "collapse"): "1,000 loose disks with friction collapse: mean distance at 0.4 s, against the stiffest elements",
+    ("discrete", "collapse, without the start"): "1,000 loose disks with friction collapse, without the time of starts",
     ("discrete", "discharge, without the start"): "500 disks leave an hourglass, without the time of starts",
     ("transport", "spheres"): "1,000 spheres in a cellular flow: mean distance from the exact paths",
     ("transport", "step"): "A step of carried spheres",

@@ -4,7 +4,7 @@
 
 Disks become spheres of the disks' masses that are kept in the plane (their velocity out of it is set to 0); walls become
 triangles. Contacts are springs with dashpots (model hooke) with the friction of the run, if it has one (-friction; the same for disks
-and walls; the spheres have 2/5 m r^2 instead of 1/2 m r^2), with a restitution of 0.06, the least that the model
+and walls; the spheres have 2/5 m r^2 instead of 1/2 m r^2) and its restitution (-restitution), at least 0.06, the least that the model
 handles well: in the limit of stiff springs these are the inelastic contacts of the suite. YOUNG is the modulus of the series that
 leads to it, Pa. A step is 1/STEPS of the time in which two of the lightest disks collide. The gravity and the end time are those of RUN.
 LIGGGHTS is a package of Debian (apt-get install liggghts); nothing but the benchmark needs it.
@@ -79,14 +79,15 @@ def walls_text(walls, height):
     return "\n".join([*lines, "endsolid walls"]) + "\n"
 
 
-def script_text(young, step, steps, every, gravity, mean, friction=0.0):
-    """The commands. step in s; every: steps between rows; gravity downwards in m/s2; mean: mean radius in m."""
+def script_text(young, step, steps, every, gravity, mean, friction=0.0, restitution=RESTITUTION):
+    """The commands. step in s; every: steps between rows; gravity downwards in m/s2; mean: mean radius in m; the coefficients of
+    friction and restitution."""
     both = "property/global"
     return "\n".join([
         "atom_style granular", "atom_modify map array", "boundary f f f", "newton off", "dimension 3", "units si",
         "soft_particles yes", "hard_particles yes", "communicate single vel yes", "read_data data", f"neighbor {SKIN * mean:.9g} bin", "neigh_modify delay 0",
         f"fix m1 all {both} youngsModulus peratomtype {young:.9g}", f"fix m2 all {both} poissonsRatio peratomtype {POISSON}",
-        f"fix m3 all {both} coefficientRestitution peratomtypepair 1 {RESTITUTION}",
+        f"fix m3 all {both} coefficientRestitution peratomtypepair 1 {restitution:.9g}",
         f"fix m4 all {both} coefficientFriction peratomtypepair 1 {friction:.9g}",
         f"fix m5 all {both} characteristicVelocity scalar {VELOCITY}",
         "pair_style gran model hooke tangential history", "pair_coeff * *", f"timestep {step:.12g}",
@@ -133,7 +134,7 @@ def compute(run, young, folder, every=0.02, end=None, limit=None, steps=STEPS, a
     (folder / "data").write_text(data_text(centres, radius, masses, walls))
     (folder / "walls.stl").write_text(walls_text(walls, 3 * radius.max()))
     (folder / "in").write_text(script_text(young, step, int(np.ceil(end / step)), every, gravity, radius.mean(),
-        RunFolder(run).parameter("-friction", 0.0)))
+        RunFolder(run).parameter("-friction", 0.0), max(RESTITUTION, RunFolder(run).parameter("-restitution", 0.0))))
     done = finished(run_command([program(), "-in", "in"], limit, folder))
     times, _, places = read_dump(folder / "dump", step)
     if len(places[0]) != len(radius):
