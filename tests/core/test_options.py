@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.conftest import ROOT
+
 SCRIPT = """
 include "lib/case.idp"
 optCase("trial", "a script that only reads its options");
@@ -157,6 +159,13 @@ def test_an_option_begins_with_a_dash(freefem_text):
 def test_the_name_of_a_case_names_a_folder(freefem_text):
     done = freefem_text(SCRIPT.replace('"trial"', '"my/trial"'), check=False)
     assert done.returncode == 3 and "holds a /" in done.stderr
+
+
+def test_all_drivers_take_the_units_of_the_case(freefem_refused):
+    """That of spheres named centimetres m."""
+    for driver in (ROOT / "scripts").glob("*.edp"):
+        assert "optDriver();" in driver.read_text() or driver.name.startswith("project_"), driver.name
+    assert "by 0.126632 cm at the start" in freefem_refused(5, "cases/two_spheres.edp", "-trailing", 3.2)
 
 
 def test_a_case_declares_its_units_once(freefem_text, tmp_path):
