@@ -161,6 +161,20 @@ def test_the_name_of_a_case_names_a_folder(freefem_text):
     assert done.returncode == 3 and "holds a /" in done.stderr
 
 
+def test_a_macro_of_another_driver_is_refused(freefem_text):
+    """A force or a motion that a driver does not know was left out with a warning only."""
+    text = """
+    include "lib/case.idp"
+    optCase("trial", "macros");
+    macro caseLoads(now) bodyPush(0, 1, 0, 0); // EOM
+    optEnd();
+    optMacros("caseWalls caseParticles");
+    """
+    done = freefem_text(text, check=False)
+    assert done.returncode == 3 and "the macro caseLoads of the case is for other drivers" in done.stderr
+    assert done.stderr.count("\n") == 1 and freefem_text(text.replace("Particles", "Loads")).returncode == 0
+
+
 def test_all_drivers_take_the_units_of_the_case(freefem_refused):
     """That of spheres named centimetres m."""
     for driver in (ROOT / "scripts").glob("*.edp"):
