@@ -6,7 +6,8 @@ from tools.base.tables import read_table
 
 
 @pytest.mark.parametrize("rows, complaint", [("5,1,2,x,2\n", "line 2"), ("", "contains no particle"),
-    ("5,1,2,0.1,2\n\n6,1,3,0.1\n", "line 4")])
+    ("5,1,2,0.1,2\n\n6,1,3,0.1\n", "line 4: a missing or bad number: 4 entries, not 5 as in the first line"),
+    ("5,1,2, 1d-1,2\n", "line 2: a missing or bad number: '1d-1' in the column radius")])
 def test_a_bad_file_of_particles_is_refused_with_its_line(freefem_refused, reading, tmp_path, rows, complaint):
     file = tmp_path / "disks.csv"
     file.write_text("id,x,y,radius,density\n" + rows)

@@ -299,6 +299,7 @@ def test_shapes_from_files(scene, tmp_path):
     ([polygon(square(0.6, 0.01) + [0, 0.5]), capsule(0.1, 0.5, 0.02, 0.01, 1.5)], 5, "particle 0 and particle 1 lie across"),
     ([capsule(0, 0.05, 0.2, 0.1, 0)], 5, "particle 0 overlaps the wall from (-1, 0) to (1, 0) by 0.05"),
     (['bodyShaped("nowhere.csv", 0, 0, 0, 1);'], 3, "cannot read the file 'nowhere.csv'"),
+    (["queueShape(bodyCapsule(0, 1, 0.1, 0.1, 0, 1), 1);"], 3, "particles that enter later (queueAt, queueShape) are for flows"),
     (["bodyEllipse(0, 1, 0.2, 0.1, 0, 1);"], 3, "ellipses do not stand beside bodies of other shapes"),
 ])
 def test_what_makes_no_scene_is_refused(bodies, status, words, scene):

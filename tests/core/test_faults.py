@@ -127,10 +127,12 @@ def test_a_damaged_mesh_is_refused_in_words(box, fault, reading, tmp_path):
     (lambda text: text[:len(text) // 2], "not a number"),
     (lambda text: text[:text.index("Edges")], "ends too early"),
     (lambda text: "", "not a .mesh file"),
+    (lambda text: "# a comment\n" + text, "whose first line is MeshVersionFormatted"),
+    (lambda text: text.replace("End", "Quadrilaterals\n1\n1 2 3 4 1\nEnd"), "holds quadrilaterals"),
     (lambda text: "\x00\x01\x02\n" * 100, "no plain text"),
     (lambda text: re.sub(r"^(\d+ \d+) \d+$", r"\1 77", text, flags=re.M), "label 77"),
     (lambda text: re.sub(r"^(\d+ \d+) \d+$", r"\1 0", text, flags=re.M), "label 0"),
-], ids=["cut", "no edges", "empty", "binary", "unknown labels", "no labels"])
+], ids=["cut", "no edges", "empty", "comment first", "quadrilaterals", "binary", "unknown labels", "no labels"])
 def test_a_truncated_or_unlabelled_mesh_is_refused(box, make, says, reading, tmp_path):
     (tmp_path / "bad.mesh").write_text(make(box[1]))
     script = SETTLING if says.startswith("label") else [reading]  # a label needs a condition of the case

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.conftest import ROOT
+
 SCRIPT = """
 include "lib/case.idp"
 optCase("trial", "a script that only reads its options");
@@ -157,6 +159,27 @@ def test_an_option_begins_with_a_dash(freefem_text):
 def test_the_name_of_a_case_names_a_folder(freefem_text):
     done = freefem_text(SCRIPT.replace('"trial"', '"my/trial"'), check=False)
     assert done.returncode == 3 and "holds a /" in done.stderr
+
+
+def test_a_macro_of_another_driver_is_refused(freefem_text):
+    """A force or a motion that a driver does not know was left out with a warning only."""
+    text = """
+    include "lib/case.idp"
+    optCase("trial", "macros");
+    macro caseLoads(now) bodyPush(0, 1, 0, 0); // EOM
+    optEnd();
+    optMacros("caseWalls caseParticles");
+    """
+    done = freefem_text(text, check=False)
+    assert done.returncode == 3 and "the macro caseLoads of the case is for other drivers" in done.stderr
+    assert done.stderr.count("\n") == 1 and freefem_text(text.replace("Particles", "Loads")).returncode == 0
+
+
+def test_all_drivers_take_the_units_of_the_case(freefem_refused):
+    """That of spheres named centimetres m."""
+    for driver in (ROOT / "scripts").glob("*.edp"):
+        assert "optDriver();" in driver.read_text() or driver.name.startswith("project_"), driver.name
+    assert "by 0.126632 cm at the start" in freefem_refused(5, "cases/two_spheres.edp", "-trailing", 3.2)
 
 
 def test_a_case_declares_its_units_once(freefem_text, tmp_path):

@@ -181,3 +181,13 @@ def test_thrown_spheres_roll_and_four_in_a_pyramid_rest(freefem_text, tmp_path):
     assert rows["z"][rows["id"] == 9][-1] < 0.5 + np.sqrt(2 / 3) - 1e-3 and np.abs(rows["u"][slips]).max() > 1e-2
     assert float(said.split("peak ")[1].split(",")[0]) < 1e-12
     assert motion["momentum_error"].max() < 1e-9 * 500
+
+
+def test_held_spheres_that_overlap_are_told_once(freefem_text, tmp_path):
+    """They went through a wall and through each other without a word, and the least gap was that of the others."""
+    bodies = ("sphereMoves(sphereHeld(bodySphere(-20, 0, R, R, 1000)), 0, 0, -1); sphereMoves(sphereHeld(bodySphere(0, 0, 3, R, 1000)), 0, 0, -1); "
+        "sphereHeld(bodySphere(0, 0, 1.9, R, 1000)); bodySphere(9, 0, 5, R, 1000);")
+    done = freefem_text(SCENE.replace("caseParticles() fill();", f"caseParticles() {bodies}"), "-tend", 0.25, "-dt", 0.01, "-out",
+        tmp_path / "run")
+    assert (done.stdout + done.stderr).count("warning: prescribed motions make spheres overlap") == 1
+    assert read_table(tmp_path / "run/motion.csv")["worst_gap"].min() == pytest.approx(-0.25, abs=1e-9)

@@ -2,7 +2,7 @@
 import pytest
 
 from tests.conftest import ROOT, run_freefem
-from tests.scenes import particles
+from tests.scenes import READING, particles
 from tools.base.run_folder import RunFolder
 
 
@@ -55,6 +55,25 @@ def test_a_number_of_the_case_that_makes_no_sense_is_refused(freefem_text, right
     """A negative period was taken for none, a bound that is no number for one that is never reached."""
     done = freefem_text((ROOT / "cases/template.edp").read_text().replace(right, wrong), "-tend", 0.01, check=False)
     assert done.returncode == 3 and says in done.stderr and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("words, says", [
+    ("bodyEllipse(1, 1, 0.2, 0.1, 0, 1.2);", "a particle is added at (1, 1) after the run has begun"),
+    ('real late = optReal("-late", 1, "", "an option");', "-late is declared after the driver has read the command"),
+    ('optDefault("-dt", "0.1");', "the default of -dt is set after the driver has read"),
+])
+def test_what_stands_behind_the_driver_is_refused(freefem_text, tmp_path, words, says):
+    """It was passed over in silence, and bodies that caseStep added overlapped others. The run before stays finished."""
+    done = freefem_text(f'{READING}outEnd(0., 0, "finished");\n{words}', "-out", tmp_path / "run", check=False)
+    assert done.returncode == 3 and says in done.stderr and done.stderr.count("\n") == 1, done.stderr
+    assert RunFolder(tmp_path / "run").info["status"] == "finished"
+
+
+def test_a_motion_of_the_case_is_refused_by_other_schemes(freefem_text):
+    text = (ROOT / "cases/template.edp").read_text().replace("bodyEllipse(1.,", "if (0) bodyEllipse(1.,")
+    text = text.replace("macro caseP", "macro caseMotion(now) givenMotion(0, 1, 0, 0); // EOM\nmacro caseP")
+    done = freefem_text(text, "-scheme", "tensorial", check=False)
+    assert done.returncode == 3 and "(caseMotion) is for -scheme standard" in done.stderr and done.stderr.count("\n") == 1
 
 
 def test_a_case_without_a_driver_is_refused(freefem_text, tmp_path):

@@ -76,3 +76,22 @@ def test_a_repeat_by_another_commit_is_told(done, tmp_path):
     assert free_name(tmp_path / "run").name == "run_again"
     (tmp_path / "run_again").mkdir()
     assert free_name(f"{tmp_path}/run/").name == "run_again_2"
+
+
+def test_shape_files_lie_beside_the_file_that_names_them_and_are_kept(tmp_path):
+    """A square from a particle file in another folder, and one that the case names itself; the repeat from copies."""
+    square = "part,closed,x,y,radius\n" + "".join(f"0,1,{x},{y},0.04\n" for x, y in ((-5, -5), (5, -5), (5, 5), (-5, 5)))
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "rod.csv").write_text(square.replace("5", "0.05"))
+    (tmp_path / "sub/one.csv").write_text(square.replace("5", "0.06"))
+    (tmp_path / "sub/bodies.csv").write_text("id,x,y,radius,density,shape,theta\n7,0.7,0.5,0.1,2,one.csv,0.2\n8,0.3,0.7,0.1,2,,0\n")
+    text = case('bodyShaped("rod.csv", 0.3, 0.3, 0.1, 2);')
+    (tmp_path / "mine.edp").write_text(text.replace('"lib/case.idp"', '"lib/case.idp"\ninclude "lib/bodies/shapes.idp"'))
+    run_freefem(tmp_path / "mine.edp", "-particles", tmp_path / "sub/bodies.csv", "-tend", 0.02, "-out", tmp_path / "run")
+    shutil.rmtree(tmp_path / "sub")
+    shutil.copy(tmp_path / "rod.csv", tmp_path / "run")
+    again = run_tool("rerun", tmp_path / "run", "-out", tmp_path / "again")
+    assert again.returncode == 0, again.stderr
+    for name in ("outlines.csv", "particles.csv", "particles.given", "shape_1.given"):
+        assert (tmp_path / "again" / name).read_bytes() == (tmp_path / "run" / name).read_bytes(), name
+    assert (tmp_path / "run/outlines.csv").read_text().count("0.06,") >= 2

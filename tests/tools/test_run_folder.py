@@ -11,6 +11,7 @@ from tests.synthetic import write_csv, write_run
 from tools.base.command import BadInput
 from tools.base.mesh_files import chains, read_mesh
 from tools.base.run_folder import RunFolder, own
+from tools.base.summary import lines_of
 from tools.base.tables import read_table
 from tools.plot import resolved as plot, contacts as plot_contacts
 
@@ -50,6 +51,14 @@ def test_without_a_list_of_fields_times_come_from_the_steps(tmp_path):
     run = RunFolder(folder)
     assert [path.name for _, path in run.fields] == ["fields_0.vtu", "fields_10.vtu", "fields_20.vtu"]
     assert [t for t, _ in run.fields] == pytest.approx([0, 0.1, 0.2])
+
+
+def test_the_summary_of_a_steady_flow_has_its_numbers(tmp_path):
+    """They were said to be no table of whole rows."""
+    (tmp_path / "run.json").write_text('{"case": "one", "status": "finished"}')
+    (tmp_path / "results.csv").write_text("quantity,value,unit\ndrag_coefficient,5.5795,\npressure_difference,0.1174,Pa\n")
+    assert "results.csv: drag_coefficient 5.5795, pressure_difference 0.1174 Pa" in list(lines_of(RunFolder(tmp_path)))
+    assert run_tool("plot", tmp_path).stderr.endswith("can be drawn; its numbers stand in results.csv\n")
 
 
 def test_a_row_cut_short_is_named(tmp_path):

@@ -114,17 +114,28 @@ def test_an_ellipse_that_waits_is_refused(freefem_text, tmp_path):
     assert done.returncode == 3 and "carried particles are round" in done.stderr and not (tmp_path / "run").exists()
 
 
-def test_arrays_of_particles_are_of_one_length(freefem_text, tmp_path):
+@pytest.mark.parametrize("particles, step, says", [
+    ("transportAppend(two, two, two, one, two, two, two);", "", "given are 2 x, 2 y, 2 radii, 1 densities"),
+    ("bodyDisk(1, 1, 0.1, 2500);", "", "bodyDisk, bodyAdd and the like are for resolved flows"),
+    ("transportAppend(one, one, one, one, one, one, one);", "transportAppend(one, one, one, one, one, one, one)",
+        "transportAppend adds particles after the run has begun"),
+], ids=["uneven arrays", "a disk", "during the run"])
+def test_particles_that_are_none_of_a_transport_run_are_refused(freefem_text, tmp_path, particles, step, says):
+    """Disks were passed over in silence; what was added during the run stood on what was there."""
     text = """
 include "lib/case.idp"
 optCase("uneven", "arrays of different lengths");
 real rhoFluid = 1000, mu = 0.001, gravityX = 0, gravityY = 0;
 macro carrierExact(px, py, t) carrierU = 0.; // EOM
-macro caseParticles() { real[int] two(2), one(1); two = 0.001; one = 2500; transportAppend(two, two, two, one, two, two, two); } // EOM
+real[int] two(2), one(1);
+two = 0.001; one = 2500;
+macro caseParticles() PARTICLES // EOM
+STEP
 include "scripts/transport.edp"
-"""
+""".replace("PARTICLES", particles).replace("STEP", step and f"macro caseStep() {step}; // EOM")
     done = freefem_text(text, "-tend", 0.001, "-out", tmp_path / "run", check=False)
-    assert done.returncode == 3 and "given are 2 x, 2 y, 2 radii, 1 densities" in done.stderr and not (tmp_path / "run").exists()
+    assert done.returncode == 3 and says in done.stderr and done.stderr.count("\n") == 1
+    assert step or not (tmp_path / "run").exists()
 
 
 def test_who_enters_spins_as_the_flow_does(freefem_text, tmp_path):

@@ -2,7 +2,8 @@
 
     python -m tools.run_folder RUN
 
-Prints how the run was made and how it ended, its tables with their columns and numbers of rows, and the times of its fields.
+Prints how the run was made and how it ended, its tables with their columns and numbers of rows, the numbers of a steady flow, and
+the times of its fields.
 """
 from tools.base.command import BadInput, Parser
 from tools.base.run_folder import RunFolder
@@ -20,10 +21,14 @@ def lines_of(run):
     yield "units: " + ", ".join(f"{kind} {name}" for kind, name in run.units.items())
     for path in sorted(run.folder.glob("*.csv")):
         try:
+            if path.name == "results.csv":
+                yield "results.csv: " + ", ".join(f"{name} {value:.6g} {run.result_units.get(name, '')}".strip()
+                    for name, value in run.results.items())
+                continue
             table = run.table(path.stem)
             rows = len(next(iter(table.values())))
             yield f"{path.name}: {rows} {'row' if rows == 1 else 'rows'} of {', '.join(table)}"
-        except BadInput:  # words in it, as in results.csv, or cut off
+        except BadInput:  # words in it, or cut off
             yield f"{path.name}: not a table of whole rows of numbers"
     if run.has("particles"):
         yield f"particles: {len(run.tracks)}" + (f", {len(run.held)} of them held" if run.held else "")

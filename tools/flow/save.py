@@ -56,4 +56,4 @@ def fluxes(mesh, nodes):
     way = mesh.points[b] - mesh.points[a]  # the domain lies to the left
     u, v = ((nodes[name][a] + 4 * nodes[name][middle] + nodes[name][b]) / 6 for name in ("u", "v"))
     out = u * way[:, 1] - v * way[:, 0]
-    return -out[out < 0].sum(), out[out > 0].sum(), out
+    return abs(out[out < 0].sum()), out[out > 0].sum(), out

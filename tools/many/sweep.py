@@ -170,6 +170,7 @@ def main(words=None):
     failed = [record for record in records if state(record) != "finished"]
     missing = sum(any(why for _, why in record["values"].values()) for record in records)
     if failed or missing:
-        print(f"error: {len(failed)} of {len(records)} runs did not finish" + (f", and {missing} lack a value" if missing else "")
+        what = [f"{len(failed)} of {len(records)} runs did not finish"] * bool(failed) + [f"{missing} {'of ' + str(len(records)) + ' runs ' if not failed else ''}lack a value"] * bool(missing)
+        print(f"error: {', and '.join(what)}"
               + "; the reasons stand above and in the table", file=sys.stderr)
     return int(bool(failed or missing))
