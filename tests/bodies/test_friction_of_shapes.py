@@ -55,7 +55,7 @@ def test_a_square_that_hits_a_wall_with_a_corner(mu, u, omega, sticks, long_box,
     corners = size * np.column_stack([np.cos(angles), np.sin(angles)])
     at = corners + [1.5, 0.03 + radius - corners[:, 1].min()]
     run = run_of(freefem_text, long_box, tmp_path / "run", f"bodyThrown(bodyPolygon(px, py, {radius}, {rho}), {u}, -1, {omega});",
-        "-friction", mu, "-tend", 0.045, arrays=told("px", at[:, 0]) + told("py", at[:, 1]), gravity=0.0)
+        "-friction", mu, "-film", 0, "-tend", 0.045, arrays=told("px", at[:, 0]) + told("py", at[:, 1]), gravity=0.0)
     rows, contact = run.particles, run.table("contacts")
     hit = int(np.argmax(np.diff(rows["v"])))
     area, _, _, moment = moments([(1, corners, radius)])
@@ -80,8 +80,8 @@ def test_bodies_that_meet_keep_momentum_and_gain_no_energy(mu, long_box, freefem
     collision (0.3 % in others, by the nodes that bodies cover and leave), and the kinetic energy falls in every step. The contact
     sticks with 0.15 of the pressure."""
     body = "bodyThrown(bodyPolygon(px, py, 0.02, 20), 1, -0.4, -3); bodyThrown(bodyClump(qx, qy, qr, 20), -1, 0.6, -3);"
-    run = run_of(freefem_text, long_box, tmp_path / "run", body, "-friction", mu, "-tend", 0.06, "-tolerance", "1e-8", dt=0.002,
-        arrays=PAIR, gravity=0.0, mu=0.005)
+    run = run_of(freefem_text, long_box, tmp_path / "run", body, "-friction", mu, "-film", 0, "-tend", 0.06, "-tolerance", "1e-8",
+        dt=0.002, arrays=PAIR, gravity=0.0, mu=0.005)
     contact, budget = run.table("contacts"), run.table("budget")
     off = np.hypot(*(np.diff(budget[f"momentum_{d}"] - budget[f"walls_{d}"]) for d in "xy"))
     at = int(np.argmin(abs(budget["t"] - contact["t"][0]))) - 1

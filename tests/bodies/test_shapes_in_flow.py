@@ -116,7 +116,7 @@ def test_rest_and_budget(cell, freefem_text, tmp_path):
     higher = bodies.replace("0.7, 0.09,", "0.7, 0.29,").replace("0, 2)", "0.4, 2)")
     more = more.replace("0.01, 0.01, 0.19, 0.19", "0.06, 0.06, 0.24, 0.24")
     freefem_text(case("{ " + higher + " }", more=more, mu=0.005, gravity=-4), "-mesh", cell, "-dt", 0.02, "-tend", 1.6,
-        "-budget", 1, "-out", tmp_path / "b")
+        "-budget", 1, "-film", 0, "-out", tmp_path / "b")
     budget, last = numbers(tmp_path / "b", "budget.csv"), numbers(tmp_path / "b", "particles.csv")
     left = budget["momentum_y"] - budget["walls_y"] - budget["weight_y"]
     assert np.abs(left).max() < 0.02 * np.abs(budget["weight_y"][-1])
@@ -136,7 +136,7 @@ def test_restart_with_files_and_the_queue(cell, tmp_path):
         queueShape(bodyShaped("{tmp_path / 'shape.csv'}", 0.7, 0.7, 0.2, 3), 0.05); }}"""
     (tmp_path / "scene.edp").write_text(case(bodies, more=WORDS, mu=0.02, gravity=-10))
     whole, broken = broken_off([tmp_path / "scene.edp", "-mesh", cell, "-every", "0", "-tend", "0.2", "-forces", "1", "-particles",
-        tmp_path / "particles.csv", "-checkpoint", "5", "-friction", "0.3"], tmp_path, 15)
+        tmp_path / "particles.csv", "-checkpoint", "5", "-friction", "0.3", "-film", "0"], tmp_path, 15)
     table = numbers(whole, "particles.csv")
     assert set(table["id"]) == {0, 4, 7, 8} and table["t"][table["id"] == 8].min() > 0.04
     assert numbers(whole, "contacts.csv")["t"].min() < 0.15 and set(numbers(whole, "outlines.csv")["id"]) == {0, 4, 7, 8}
@@ -146,7 +146,6 @@ def test_restart_with_files_and_the_queue(cell, tmp_path):
 
 @pytest.mark.parametrize("words, scene, word", [
     pytest.param(["-scheme", "published"], {}, "published", marks=pytest.mark.slow),
-    pytest.param(["-film", 1], {}, "film", marks=pytest.mark.slow),
     ([], {"walls": "labelLeft, labelRight, labelBottom", "slip": "labelTop"}, "symmetry")])
 def test_what_shapes_do_not_take_is_refused(words, scene, word, cell, freefem_text):
     done = freefem_text(case("bodyCapsule(0.5, 0.5, 0.1, 0.1, 0, 2);", more=WORDS, **scene), "-mesh", cell, *words, check=False)
