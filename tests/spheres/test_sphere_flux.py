@@ -33,7 +33,7 @@ spaceWh a = 0.3 - 0.7*(z - 0.05) - 0.4*(y + 0.02), b = -0.2 + 0.4*(x - 0.03) - 1
 r = 0.;
 fluxAdd(a[], b[], c[], q, r);
 cout << "rigid " << r.linfty << endl;
-cout << "pairs " << fluxN << endl;
+cout << "pairs " << crossN << endl;
 """
 
 
