@@ -107,8 +107,8 @@ def test_flux_and_inertia_of_cut_tetrahedra(freefem_text):
 def test_spheres_that_are_let_go_have_added_mass_from_the_first_step_on(ratio, within, freefem, tmp_path):
     """Four elements to the diameter, in water, whose layer is a fiftieth of an element: velocity over that with added mass and
     history force in each of the first steps."""
-    freefem(ROOT / "cases/settling_sphere.edp", "-mu", 0.001, "-rhos", 960 * ratio, "-z", 0.1275 if ratio > 1 else 0.03, "-dt", 0.001,
-        "-tend", 0.002 if ratio > 1 else 0.01, "-tolerance", 1e-6, "-every", 0, "-out", tmp_path / "run")
+    freefem(ROOT / "cases/settling_sphere.edp", "-mu", 0.001, "-rhos", 960 * ratio, "-z", 0.1275 if ratio > 1 else 0.03, "-dt",
+        0.001, "-tend", 0.002 if ratio > 1 else 0.01, "-tolerance", 1e-6, "-every", 0, "-out", tmp_path / "run")
     rows = read_table(tmp_path / "run/particles.csv")
     for t, w in zip(rows["t"], rows["w"]):
         if t > 0:
