@@ -86,7 +86,7 @@ def test_a_sphere_falls_onto_a_floor_as_fast_as_exact(freefem_text, tmp_path):
     mesh = make_mesh(tmp_path / "box.mesh", "settling_sphere", "--size", 0.5, "--width", 24, "--height", 24, "--corridor", 1.5,
         "--corridor-top", 3.3, "--growth", 8, "--coarse", 8)
     exact, found = 100 * quad(approach, 0.05, 0.4)[0], []
-    for film, end in ((1, 380), (0, 240)):
+    for film, end in ((1, 310), (0, 250)):
         freefem_text(FALL, "-mesh", mesh, "-film", film, "-tend", end, "-out", tmp_path / f"run{film}")
         rows = read_table(tmp_path / f"run{film}/particles.csv")
         assert rows["z"][-1] < 1.05
