@@ -77,8 +77,8 @@ def test_held_bodies_moved_into_each_other_or_a_wall_are_warned_of(bodies, steps
     ("bodyHeld(bodyEllipse(0.6, 0.15, 0.1, 0.07, pi/2, 1)); bodyEllipse(0.85, 0.08, 0.1, 0.07, 0, 1);", "linearisations"),
 ])
 def test_a_body_that_is_squeezed_against_a_wall_ends_the_run_with_the_reason(bodies, complaint, freefem_text, tmp_path):
-    done = freefem_text(scene(bodies, "givenMotion(0, 1, 0, 0);"), "-dt", 0.01, "-cfl", 0, "-contact-maxit", 5000, "-every", 0,
-        "-tend", 0.4, "-out", tmp_path / "run", check=False)
+    done = freefem_text(scene(bodies, "givenMotion(0, 1, 0, 0);"), "-dt", 0.01, "-cfl", 0, "-contact-maxit", 5000, "-film", 0,
+        "-every", 0, "-tend", 0.4, "-out", tmp_path / "run", check=False)
     assert done.returncode == 4 and len(done.stderr.strip().splitlines()) == 1
     assert complaint in done.stderr and "leave a body no room" in done.stderr
 
