@@ -36,7 +36,7 @@ def test_a_block_on_an_incline_sticks_or_slides(kind, tilt, long_box, freefem_te
     gives them; mu = 0.3. Added mass and drag take 0.4 % of the acceleration."""
     body, arrays = BLOCKS[kind]
     a, t = np.radians(tilt), 0.1
-    run = run_of(freefem_text, long_box, tmp_path / "run", body, "-friction", MU, "-tend", t, arrays=arrays, tilt=a)
+    run = run_of(freefem_text, long_box, tmp_path / "run", body, "-friction", MU, "-film", 0, "-tend", t, arrays=arrays, tilt=a)
     table, last = run.particles, run.table("contacts")
     slides = np.tan(a) > MU
     assert table["u"][-1] == pytest.approx(G * (np.sin(a) - MU * np.cos(a)) * t if slides else 0, rel=0.01, abs=1e-5)
