@@ -85,10 +85,11 @@ def test_a_disk_thrown_at_a_wall_stops_in_the_film_and_stays(mu, least, most, bo
 
 
 def test_the_pressure_in_a_gap_follows_the_velocity_at_once(box, freefem_text, tmp_path):
-    """A heavy disk thrown at the floor at a Reynolds number of 0.1: the momentum that it loses from 0.25 to 0.1 radii is that of the
-    exact resistance. The mesh's pressure took tens of steps to rise, and 0.9 of it was lost."""
+    """A heavy disk thrown at the floor at a Reynolds number of 0.1: the momentum that it loses from 0.25 to 0.1 radii is that of
+    the exact resistance. The mesh's pressure took tens of steps to rise, and 0.9 of it was lost."""
     text = scene("bodyAdd(4.07, 1.3, 1, 800, 0, -1, 0, 1);", gravity=0, mu=20)
-    freefem_text(text, "-mesh", box, "-dt", 0.00625, "-cfl", 0, "-stabilise", 0, "-tend", 0.27, "-every", 0, "-out", tmp_path / "run")
+    freefem_text(text, "-mesh", box, "-dt", 0.00625, "-cfl", 0, "-stabilise", 0, "-tend", 0.27, "-every", 0, "-out",
+        tmp_path / "run")
     bodies = RunFolder(tmp_path / "run").particles
     early, late = np.interp([-0.25, -0.1], 1 - bodies["y"], bodies["v"])
     way = np.linspace(0.1, 0.25, 2000)

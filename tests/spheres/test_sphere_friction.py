@@ -185,7 +185,8 @@ def test_thrown_spheres_roll_and_four_in_a_pyramid_rest(freefem_text, tmp_path):
 
 def test_held_spheres_that_overlap_are_told_once(freefem_text, tmp_path):
     """They went through a wall and through each other without a word, and the least gap was that of the others."""
-    bodies = ("sphereMoves(sphereHeld(bodySphere(-20, 0, R, R, 1000)), 0, 0, -1); sphereMoves(sphereHeld(bodySphere(0, 0, 3, R, 1000)), 0, 0, -1); "
+    bodies = ("sphereMoves(sphereHeld(bodySphere(-20, 0, R, R, 1000)), 0, 0, -1); "
+        "sphereMoves(sphereHeld(bodySphere(0, 0, 3, R, 1000)), 0, 0, -1); "
         "sphereHeld(bodySphere(0, 0, 1.9, R, 1000)); bodySphere(9, 0, 5, R, 1000);")
     done = freefem_text(SCENE.replace("caseParticles() fill();", f"caseParticles() {bodies}"), "-tend", 0.25, "-dt", 0.01, "-out",
         tmp_path / "run")

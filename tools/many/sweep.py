@@ -170,7 +170,9 @@ def main(words=None):
     failed = [record for record in records if state(record) != "finished"]
     missing = sum(any(why for _, why in record["values"].values()) for record in records)
     if failed or missing:
-        what = [f"{len(failed)} of {len(records)} runs did not finish"] * bool(failed) + [f"{missing} {'of ' + str(len(records)) + ' runs ' if not failed else ''}lack a value"] * bool(missing)
+        what = [f"{len(failed)} of {len(records)} runs did not finish"] * bool(failed)
+        of_all = "" if failed else f"of {len(records)} runs "
+        what += [f"{missing} {of_all}lack a value"] * bool(missing)
         print(f"error: {', and '.join(what)}"
               + "; the reasons stand above and in the table", file=sys.stderr)
     return int(bool(failed or missing))

@@ -4,9 +4,10 @@
 
 Disks become spheres of the disks' masses that are kept in the plane (their velocity out of it is set to 0); walls become
 triangles. Contacts are springs with dashpots (model hooke) with the friction of the run, if it has one (-friction; the same for disks
-and walls; the spheres have 2/5 m r^2 instead of 1/2 m r^2) and its restitution (-restitution), at least 0.06, the least that the model
-handles well: in the limit of stiff springs these are the inelastic contacts of the suite. YOUNG is the modulus of the series that
-leads to it, Pa. A step is 1/STEPS of the time in which two of the lightest disks collide. The gravity and the end time are those of RUN.
+and walls; the spheres have 2/5 m r^2 instead of 1/2 m r^2) and its restitution (-restitution), at least 0.06, the least that the
+model handles well: in the limit of stiff springs these are the inelastic contacts of the suite. YOUNG is the modulus of
+the series that leads to it, Pa. A step is 1/STEPS of the time in which two of the lightest disks collide. The gravity and the
+end time are those of RUN.
 LIGGGHTS is a package of Debian (apt-get install liggghts); nothing but the benchmark needs it.
 """
 import shutil

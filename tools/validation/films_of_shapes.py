@@ -2,7 +2,8 @@
 
 References: at the floor a body-fitted computation (FITTED, `FreeFem++ -nw tools/peers/body_fitted/shapes_stokes.edp -wide 1
 -points 300 -radius 0.125 -half 0.375 -gap D`, of the square -half 0.125 -high 0.125); between two capsules Reynolds' equation: the
-force over viscosity and speed is the integral of 12 xi^2/H^3 over the gap H, which holds where the gap is much narrower than the face is wide.
+force over viscosity and speed is the integral of 12 xi^2/H^3 over the gap H, which holds where the gap is much narrower than
+the face is wide.
 """
 import numpy as np
 
