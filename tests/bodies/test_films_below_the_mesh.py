@@ -96,6 +96,31 @@ def test_the_pressure_in_a_gap_follows_the_velocity_at_once(box, freefem_text, t
     assert 800 * np.pi * (late - early) / 20 == pytest.approx(np.trapezoid(exact(way), way), rel=0.05)
 
 
+FOLLOWED = """macro caseLoads(now) {{
+    filmEach = {each};
+    if (filmWho.n > 0) {{
+        real[int] thick = filmGap .* filmWide;
+        filmMeshForce(thick);
+        real sum = 0;
+        for (int k = 0; k < filmWho.n; ++k) if (abs(filmVertexY[filmAt[k]]) < 1e-9) sum += 0.25*filmAtVertex[k];
+        cout << "FOLLOWED " << sum/filmMesh[0] << " " << filmWho.n << endl;
+        filmMesh.resize(0);
+    }}
+}} // EOM"""
+
+
+def test_the_pressure_that_follows_is_the_force_that_bodies_meet(box, freefem_text, tmp_path):
+    """A disk of eight elements a radius above the floor: the pressure at the vertices of the floor adds up to the force over the
+    velocity of approach. The vertices ended before the gap did, and which of them there were depended on the bins they lay in."""
+    found = []
+    for each in (1, 12):
+        out = freefem_text(scene("bodyDisk(4.07, 2.07, 2, 2);", FOLLOWED.format(each=each)), "-mesh", box, "-dt", 0.05, "-cfl", 0,
+            "-stabilise", 0, "-tend", 0.2, "-every", 0, "-out", tmp_path / f"run{each}").stdout
+        found.append([line for line in out.splitlines() if line.startswith("FOLLOWED")])
+    assert found[0] == found[1] and len(found[0]) == 3
+    assert float(found[0][-1].split()[1]) == pytest.approx(1, rel=0.02)
+
+
 def test_a_disk_along_a_wall_is_held_by_the_film(box, freefem_text, tmp_path):
     """4 pi mu/a more than at a gap that the mesh resolves; without the film 0.6 of the whole at a gap of 0.02."""
     found = []

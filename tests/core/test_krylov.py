@@ -24,7 +24,7 @@ int applied = 0;
 func int krylovApply(real[int] & s, real[int] & t) {{ t = A*s; applied++; return n; }}
 func int krylovCorrect(real[int] & s, real[int] & t) {{ t += Q*s; return n; }}
 include "lib/core/krylov.idp"
-krylovCorrects = {corrects};
+krylovCorrects = {corrects}; krylovFrom = {start};
 Ax = A*x;
 r = b - Ax;
 x0 = x;
@@ -50,13 +50,13 @@ def triples(A):
     return f"{A.nnz}\n" + "".join(f"{i} {j} {v!r}\n" for i, j, v in zip(A.row.tolist(), A.col.tolist(), A.data.tolist()))
 
 
-def solve(freefem_text, folder, A, b, x, inverse, size=0.0, tolerance=1e-8, most=400, correction=None):
+def solve(freefem_text, folder, A, b, x, inverse, size=0.0, tolerance=1e-8, most=400, correction=None, start=0):
     """(applications, calls, restarts, last residual), x and r as lib/core/krylov.idp leaves them."""
     path = folder / "system.txt"
     path.write_text(triples(A) + (triples(correction) if correction is not None else "0\n")
                     + "".join(f"{p!r} {q!r} {w!r}\n" for p, q, w in zip(b.tolist(), x.tolist(), inverse.tolist())))
     out = freefem_text(SOLVE.format(n=A.shape[0], path=path, size=size, tolerance=tolerance, most=most,
-        corrects=int(correction is not None))).stdout
+        corrects=int(correction is not None), start=start)).stdout
     lines = [line.split() for line in out.splitlines()]
     head = next(words[1:] for words in lines if words[:1] == ["used"])
     table = np.array([[float(v) for v in words[1:]] for words in lines if words[:1] == ["x"]])
@@ -136,6 +136,24 @@ def test_a_second_preconditioner(freefem_text, tmp_path):
     assert left == pytest.approx(b - A @ found, abs=1e-10 * abs(b - A @ x).max())
     exact = spsolve(A.tocsc(), b)
     assert abs(found - exact).max() < 1e-3 * abs(exact).max()
+
+
+def test_a_correction_of_the_last_unknowns_alone(freefem_text, tmp_path):
+    """As the films of bodies correct their motions: stiff links between the last seven unknowns. Same way and same end as if the
+    correction could reach all unknowns, and as the twin, to 1e-8 of the start where a sum loses its digits."""
+    rng, A = np.random.default_rng(7), flow_matrix(12, 0.2, 0.3)
+    link = rng.normal(size=(7, 7))
+    stiff = sparse.lil_matrix(A.shape)
+    stiff[-7:, -7:] = 1e3 * link @ link.T
+    inverse, (b, x), correction = 1 / A.diagonal(), rng.normal(size=(2, 144)), sparse.lil_matrix(A.shape)
+    inverse[::17] = 0
+    correction[-7:, -7:] = np.linalg.inv(stiff[-7:, -7:].toarray() + np.diag(1 / inverse[-7:])) - np.diag(inverse[-7:])
+    A, correction = (A + stiff).tocsr(), correction.tocsr()
+    wide, found, left = solve(freefem_text, tmp_path, A, b, x, inverse, correction=correction, tolerance=1e-9)
+    part, same, _ = solve(freefem_text, tmp_path, A, b, x, inverse, correction=correction, tolerance=1e-9, start=137)
+    start = (b - A @ x) @ (inverse * (b - A @ x))
+    assert part[:3] == wide[:3] == [len(orthomin(A, b - A @ x, inverse, 1e-18 * start, 400, correction)) - 1] * 2 + [0]
+    assert part[3] == pytest.approx(wide[3], rel=1e-4) and abs(found - same).max() < 1e-10 * abs(x).max()
 
 
 def test_nothing_to_do(freefem_text, tmp_path):
