@@ -5,6 +5,7 @@ import pytest
 from tests.scenes import CONTACTS
 from tests.tables import assert_refused
 from tools.base.tables import read_table
+from tools.peers.event_driven import Disks
 
 
 def end(freefem_text, folder, bodies, *words, walls="", gravity=0.0):
@@ -54,6 +55,47 @@ def test_a_row_of_disks_keeps_its_energy_and_momentum(freefem_text, tmp_path):
     _, motion, _ = end(freefem_text, tmp_path / "run", row, "-restitution", 1, "-dt", 0.01, "-tend", 1, "-every", 0.1)
     assert motion["kinetic_energy"] == pytest.approx([motion["kinetic_energy"][0]] * len(motion["t"]), rel=1e-8)
     assert motion["momentum_x"] == pytest.approx([motion["momentum_x"][0]] * len(motion["t"]), rel=1e-12)
+
+
+def scene(x, v, r):
+    """The words that add disks of the density 1000."""
+    return "{" + "".join(f"bodyAdd({a:.15g}, {b:.15g}, {c:.15g}, 1000, {p:.15g}, {q:.15g}, 0, 1);"
+        for (a, b), (p, q), c in zip(x, v, r)) + "}"
+
+
+def test_a_row_meets_a_wall_as_by_events(freefem_text, tmp_path):
+    """Six disks of several masses with gaps of many steps, one behind the other: each collision is exact."""
+    r = np.array([0.1, 0.13, 0.09, 0.12, 0.1, 0.11])
+    x = np.column_stack([np.cumsum(2 * r) + np.cumsum([0.05, 0.031, 0.043, 0.027, 0.039, 0.033]) - r, np.full(6, 0.5)])
+    v = np.column_stack([np.full(6, -1.0), np.zeros(6)])
+    e = 0.8
+    exact = Disks(x, v, r, e, box=(0.0, 9.0, -9.0, 9.0))
+    assert exact.advance(0.2) > 6
+    last, _, _ = end(freefem_text, tmp_path / "run", scene(x, v, r), "-restitution", e, "-dt", 5e-4, "-tend", 0.2, "-every", 0.1,
+        walls="contactWallSegment(0, -1, 0, 1);")
+    np.testing.assert_allclose(last["u"], exact.v[:, 0], atol=1e-9)
+    np.testing.assert_allclose(last["x"], exact.x[:, 0], atol=1e-6)
+
+
+def test_a_crowd_loses_its_energy_as_by_events(freefem_text, tmp_path):
+    """A hundred disks that cover half of a box, most of which collide with several others in a step."""
+    rng = np.random.default_rng(1)
+    r = 0.01 * rng.uniform(0.9, 1.1, 100)
+    side = np.sqrt(np.pi * (r**2).sum() / 0.5)
+    x = (np.stack(np.meshgrid(np.arange(10), np.arange(10)), -1).reshape(-1, 2) + 0.5) * side / 10
+    v = rng.normal(0, 1, (100, 2))
+    exact, times = Disks(x, v, r, 0.5, box=(0.0, side, 0.0, side)), (0.01, 0.02, 0.03)
+    energies = [exact.energy()]
+    for t in times:
+        exact.advance(t)
+        energies.append(exact.energy())
+    walls = "".join("contactWallSegment({:.15g}, {:.15g}, {:.15g}, {:.15g});".format(*(side * np.array(ends)))
+        for ends in ((0, 0, 1, 0), (1, 0, 1, 1), (1, 1, 0, 1), (0, 1, 0, 0)))
+    _, motion, _ = end(freefem_text, tmp_path / "run", scene(x, v, r), "-restitution", 0.5, "-dt", 2.5e-4, "-tend", times[-1], "-every",
+        times[0], walls=walls)
+    shares = np.array(motion["kinetic_energy"]) / motion["kinetic_energy"][0]
+    np.testing.assert_allclose(shares, np.array(energies) / energies[0], rtol=0.05)
+    assert shares[-1] < 0.2
 
 
 @pytest.mark.parametrize("friction", [0, 0.4])
