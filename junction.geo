@@ -1,0 +1,25 @@
+// A channel of height 1 with a branch of width 0.6 that leads downwards, lengths in mm.
+size = 1/20;
+Point(1) = {0, 0, 0, size};
+Point(2) = {2, 0, 0, size};
+Point(3) = {2, -1.5, 0, size};
+Point(4) = {2.6, -1.5, 0, size};
+Point(5) = {2.6, 0, 0, size};
+Point(6) = {4, 0, 0, size};
+Point(7) = {4, 1, 0, size};
+Point(8) = {0, 1, 0, size};
+Line(1) = {1, 2};
+Line(2) = {2, 3};
+Line(3) = {3, 4};
+Line(4) = {4, 5};
+Line(5) = {5, 6};
+Line(6) = {6, 7};
+Line(7) = {7, 8};
+Line(8) = {8, 1};
+Curve Loop(1) = {1 : 8};
+Plane Surface(1) = {1};
+Physical Curve("inlet") = {8};
+Physical Curve("outlet") = {6};
+Physical Curve("bottom") = {3};
+Physical Curve("wall") = {1, 2, 4, 5, 7};
+Physical Surface("fluid") = {1};
