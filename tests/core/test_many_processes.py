@@ -111,6 +111,15 @@ def test_refusals(words, said):
 
 
 @pytest.mark.slow
+def test_each_overlap_at_the_start_is_told_once(tmp_path):
+    text = (ROOT / "cases/template.edp").read_text()
+    (tmp_path / "own.edp").write_text(text.replace("bodyDisk(1.4, 2.5,", "bodyDisk(0.8, 4.5,"))
+    run = ranks(2, tmp_path / "own.edp", check=False)
+    lines = run.stderr.splitlines()
+    assert run.returncode == 5 and len(lines) == 2 and "particles 0 and 1 overlap" in lines[0], run.stderr
+
+
+@pytest.mark.slow
 def test_a_case_that_reads_the_flow_in_each_step_is_refused(tmp_path):
     text = (ROOT / "cases/template.edp").read_text()
     step = 'macro caseStep() { real[int] row = [timeNow, flowU[3]]; outRow("mine.csv", row); } // EOM\n'
