@@ -19,11 +19,14 @@ MOST = 1e-6
 
 
 def difference(one, many):
-    """Largest difference of the CSVs of two run folders, each column's over its largest value; inf where rows differ."""
+    """Largest difference of the CSVs of two run folders, each column's over its largest value; inf where tables, their columns or
+    their rows differ."""
     most = 0.0
+    if {path.name for path in Path(one).glob("*.csv")} != {path.name for path in Path(many).glob("*.csv")}:
+        return float("inf")
     for path in sorted(Path(one).glob("*.csv")):
         tables = [list(csv.DictReader(open(folder / path.name))) for folder in (Path(one), Path(many))]
-        if len(tables[0]) != len(tables[1]):
+        if len(tables[0]) != len(tables[1]) or tables[0] and list(tables[0][0]) != list(tables[1][0]):
             return float("inf")
         for column in tables[0][0] if tables[0] else ():
             if column.startswith("time_"):

@@ -68,6 +68,12 @@ def test_films_and_a_start_from_another_run(tmp_path):
     assert abs(numbers(folder, "sinking.csv")["ratio"][-1] - 1) < 0.1  # 40 without the film
 
 
+def test_the_pressure_of_films_does_not_depend_on_the_parts(tmp_path):
+    """Films between disks and towards plates: which vertices at the corners of a gap took part depended on the bins of a part of
+    the mesh, which changed velocities by 1e-7 on two processes and 1e-4 on three."""
+    compare(3, tmp_path, "cases/sheared_suspension.edp", "-radius", "0.14", "-tend", "0.06", "-every", "0")
+
+
 def test_one_line_and_its_status_end_all_processes(tmp_path):
     """And nothing keeps the folder of the run: for 8 s after that another run was told to write there."""
     if why_not():
@@ -102,6 +108,15 @@ def test_refusals(words, said):
     run = ranks(2, *words, check=False)
     lines = [line for line in run.stderr.splitlines() if line.startswith("error: ")]
     assert run.returncode == 3 and len(lines) == 1 and said in lines[0], run.stdout[-2000:] + run.stderr
+
+
+@pytest.mark.slow
+def test_each_overlap_at_the_start_is_told_once(tmp_path):
+    text = (ROOT / "cases/template.edp").read_text()
+    (tmp_path / "own.edp").write_text(text.replace("bodyDisk(1.4, 2.5,", "bodyDisk(0.8, 4.5,"))
+    run = ranks(2, tmp_path / "own.edp", check=False)
+    lines = run.stderr.splitlines()
+    assert run.returncode == 5 and len(lines) == 2 and "particles 0 and 1 overlap" in lines[0], run.stderr
 
 
 @pytest.mark.slow

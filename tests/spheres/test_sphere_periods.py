@@ -4,6 +4,7 @@ import pytest
 
 from tests.cells import scene
 from tests.conftest import make_mesh
+from tools.base.run_folder import RunFolder
 from tools.base.tables import read_table
 
 
@@ -24,6 +25,9 @@ def test_a_scene_that_is_shifted_across_the_sides_is_the_same(cell, freefem_text
     for k, (x, y) in enumerate(((0, 0), (0.5, 2 / 3))):
         freefem_text(scene(), "-mesh", cell, "-x", x, "-y", y, "-out", tmp_path / f"run{k}")
         rows, fluid = read_table(tmp_path / f"run{k}/particles.csv"), read_table(tmp_path / f"run{k}/fluid.csv")
+        info = RunFolder(tmp_path / f"run{k}").info
+        assert info["period"] == [1, 1, 0] and info["low"][:2] == [0, 0] and set(info["fluid"]) == {"density", "viscosity"}
+        assert set(info["labels"]) == {"no slip", "moving", "outlet", "slip"} and len(info["labels"]["no slip"]) > 0
         assert rows["x"].min() >= 0 and rows["x"].max() < 1
         assert max(abs(np.diff(rows["x"][rows["id"] == one])).max() for one in (0, 1)) > 0.5
         assert fluid["contacts"].max() == 1 and fluid["worst_gap"].min() > -1e-6 * 0.2

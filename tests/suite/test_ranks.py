@@ -43,12 +43,16 @@ def reduced(condition):
 
 
 def branches(body):
-    """(condition, what it controls, what follows) of each if and while of a body."""
-    for head in re.finditer(r"\b(?:if|while)\s*\(", body):
+    """(condition, what it controls, what follows) of each if, while and for of a body, and of each choice by ? and :."""
+    for head in re.finditer(r"\b(if|while|for)\s*\(", body):
         end = closing(body, head.end())
         begin = re.compile(r"\s*").match(body, end).end()
         after = closing(body, begin + 1) if body[begin : begin + 1] == "{" else body.find(";", begin) + 1
-        yield body[head.end() : end - 1], body[begin:after], body[after:]
+        yield body[head.end() : end - 1], body[begin:after], "" if head.group(1) == "for" else body[after:]
+    for statement in re.split(r"[;{}]", body):
+        condition, mark, choice = statement.partition("?")
+        if mark:
+            yield condition, choice, ""
 
 
 def wrong(name, body, sums):
@@ -96,6 +100,11 @@ def test_no_sum_over_processes_in_a_branch_on_what_a_part_holds():
     ("if (rigidEvery == 0) return 0; ranksSums(force);", False),
     ("int m = solidN, n = sphereN; if (m == 0) return 0; ranksSums(force);", True),
     ("int m = solidN, n = sphereN; if (n == 0) return 0; ranksSums(force);", False),
+    ("for (int k = 0; k < cutN; ++k) sum += ranksSum(a[k]);", True),
+    ("for (int k = 0; k < bodyNumber; ++k) sum += ranksSum(a[k]);", False),
+    ("for (int k = 0; k < cutN; ++k) sum += a[k]; sum = ranksSum(sum);", False),
+    ("real sum = rigidCount > 0 ? ranksSum(a.sum) : 0;", True),
+    ("real sum = rigidEvery > 0 ? ranksSum(a.sum) : 0; int n = rigidCount > 0 ? 1 : 0;", False),
     ("if (ranksMax(1.*(rigidCandidates > 0)) > 0) { ranksSums(force); }", False),
 ])
 def test_the_rule_itself(body, bad):

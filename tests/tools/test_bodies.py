@@ -9,6 +9,7 @@ from tests.conftest import run_freefem, run_tool
 from tests.synthetic import write_csv, write_run
 from tools.base.run_folder import RunFolder
 from tools.plot.bodies import CORNERS, reach
+from tools.plot.sphere_bodies import contact_lines
 
 HEAD = "step,t,id,x,y,theta,u,v,omega,radius".split(",")
 OF_POLYGON = CORNERS / (2 * np.pi) * np.sin(2 * np.pi / CORNERS)  # its area over that of the ellipse round it
@@ -113,6 +114,20 @@ def test_a_contact_over_a_seam_takes_the_short_way(tmp_path):
     assert sorted(np.mod(line, 4)) == pytest.approx([0.4, 3.5]) and abs(np.ptp(line)) == pytest.approx(0.9)
     ids = series(tmp_path, "bodies")[0][1].cell_data["id"][0]
     assert sorted(ids) == [0, 0, 1, 2]  # that at 0.4 crosses the seam, that at 3.5 does not
+
+
+def test_spheres_stand_on_both_sides_of_a_seam(tmp_path):
+    """One that passes the seam between two rows is not in the middle of the cell meanwhile; its contact takes the short way."""
+    (tmp_path / "run.json").write_text('{"case": "made_up", "period": [4, 0, 0], "low": [0, 0, 0], "parameters": {"-dt": 1}}')
+    write_csv(tmp_path / "particles.csv", "t,id,x,y,z,u,v,w,omega_x,omega_y,omega_z,radius".split(","),
+        [[t, one, x, 0, 0, *6 * [0], 0.5] for t in (0, 1) for one, x in ((0, 3.8 if t == 0 else 0.2), (1, 3.1))])
+    write_csv(tmp_path / "contacts.csv", "t,i,j,gap,nx,ny,nz,impulse".split(","), [[1, 0, 1, 0.1, 1, 0, 0, 2]])
+    run = RunFolder(tmp_path)
+    assert run.in_space and [list(run.tracks[one]["x"]) for one in (0, 1)] == [[3.8, pytest.approx(4.2)], [3.1, 3.1]]
+    ids, x, *_ = run.particles_at(0.5)
+    assert sorted(zip(ids, np.round(x, 9))) == [(0, 0), (0, 4), (1, 3.1)]
+    lines, _, forces = contact_lines(run, 1.0)
+    assert np.ptp(lines[0, :, 0]) == pytest.approx(1.1) and forces[0].tolist() == [2, 0, 0]
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.7, 2.0, 4.0])

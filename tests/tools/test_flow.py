@@ -8,8 +8,8 @@ import pytest
 from tests.conftest import ROOT, run_tool
 from tools.base.command import BadInput
 from tools.base.mesh_files import read_mesh
-from tools.flow import cloud
-from tools.flow.given import Given
+from tools.flow import cloud, vtk
+from tools.flow.given import Given, unused
 from tools.flow.plane import split
 from tools.flow.values import Middles, at_vertices, sides_of
 from tools.meshing.labels import LABELS
@@ -216,6 +216,10 @@ def test_several_files_a_pvd_and_values_in_cells(tmp_path):
         for k in range(3)) + "</Collection></VTKFile>")
     _, times, again, _ = made(tmp_path / "listed", tmp_path / "all.pvd", *WALLS, "--times", "0.1:")
     assert times == [0.1, 0.2] and (again[1]["v"] == frames[2]["v"]).all()
+    (tmp_path / "parts.pvd").write_text((tmp_path / "all.pvd").read_text().replace('"0.2"', '"0.1" part="1"'))
+    with pytest.raises(BadInput, match="several files of one time"):  # the others were left out in silence
+        vtk.listed(tmp_path / "parts.pvd", "all")
+    assert unused(["U", "k"], ["omega"]) == ["k", "omega"] and unused(["U", "k", "omega"], ["k"]) == unused(["U"]) == []
     assert "gives 2 times for 3 files" in refused(tmp_path, *files, *WALLS, "--times", "0,1")
     other = vortex_file(tmp_path / "other.vtu", 5, "quad")
     assert "another mesh" in refused(tmp_path, files[0], other, *WALLS, "--times", "0,1")
@@ -312,6 +316,12 @@ def test_tables_that_contradict_themselves_or_the_mesh(tmp_path):
     for scale in (1000, 0.02):
         with pytest.raises(BadInput, match=r"1 of its 144 points lie where the mesh is|do not cover the mesh"):
             read("x,y,u,v", places, u, u, scale=scale)
+    with pytest.raises(BadInput, match=r"column X \[ mm \] is not in m: write the table in SI units, or give --scale"):
+        read("X [ mm ],Y [ mm ],Velocity u [ m s^-1 ],Velocity v [ m s^-1 ]", places, u, u)
+    with pytest.raises(BadInput, match=r"column u \[mm/s\] is not in m/s"):
+        read("x [km],y [km],u [mm/s],v [mm/s]", places, u, u, scale=1.01)
+    with pytest.raises(BadInput, match="names of the columns, 'x;y;u;v', are not separated by commas"):
+        read("x;y;u;v", places, u, u)
     with pytest.raises(BadInput, match="k is negative, down to -0.1"):
         read("x,y,u,v,k,epsilon", places, u, u, np.where(u > 1.5, -0.1, 0.2), u)
     assert read("x,y,u,v,k,epsilon", places, u, u, np.where(u > 1.5, -1e-9, 0.2), u)["k"].min() == 0

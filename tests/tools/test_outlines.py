@@ -78,6 +78,8 @@ def test_paraview_gets_the_outlines(made_up):
     sizes = {int(one): sum(abs(area(mesh.points[cell][:, :2])) for block, of in zip(mesh.cells, mesh.cell_data["id"])
         for cell, body in zip(block.data, of) if body == one) for one in (1, 2)}
     assert sizes[1] == pytest.approx(8 + np.pi * 0.25, rel=1e-3) and sizes[2] == pytest.approx(2 * np.pi * 0.36, rel=2e-3)
+    run = RunFolder(made_up)
+    assert len(bodies.polygons(run, 9.0, run.particles_at(9.0), None).points) == 0  # none has entered, or all have left
     lines, _, forces = bodies.contact_lines(RunFolder(made_up), 2.0, RunFolder(made_up).particles_at(2.0))
     np.testing.assert_allclose(lines, [[[5, 2], [10, 2]], [[5, 2], [5, 0]]])
     np.testing.assert_allclose(forces[1], [-3, 4])

@@ -1,4 +1,6 @@
 """Pictures of bodies: their colours, held ones, outlines, force chains; words of figures that find their place."""
+import json
+
 import numpy as np
 import pytest
 
@@ -136,7 +138,15 @@ def test_the_flux_through_each_outlet_is_a_curve(bodies):
     one = table["label"] != 12
     write_csv(bodies.folder / "fluxes.csv", table, np.column_stack([values[one] for values in table.values()]))
     assert [name for name, _ in timeline.series(RunFolder(bodies.folder))[0][1]] == ["inlet", "outlet"]
+    info = {**bodies.info, "labels": {"moving": [1]}, "sides": {"12": "drain"}}
+    (bodies.folder / "run.json").write_text(json.dumps(info))
+    write_csv(bodies.folder / "fluxes.csv", table, np.column_stack([*(table[name] for name in ("t", "label", "flux"))]))
+    run = RunFolder(bodies.folder)
+    assert [name for name, _ in timeline.outlets(run)] == ["outlet", "drain"]
+    run.info["labels"]["moving"] = [1, 12]
+    assert timeline.outlets(run) == []
     assert {number: NAMES[number] for number in SIDES} == SIDES
+    assert timeline.beside(["inlet", "feed pipe", "right arm", "drain"], 45) == 2 and timeline.beside(["in", "out"], 45) == 2
 
 
 def test_no_panel_is_empty(bodies, monkeypatch):

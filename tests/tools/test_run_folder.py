@@ -115,9 +115,9 @@ def damaged(path, old, new):
     ("particles.csv", "\n0,0,0,", "\n0,nan,0,", "particles.csv, line 2: t is nan"),
     ("fluid.csv", "\n1,0.05,", "\n1,inf,", "fluid.csv, line 3: t is inf"),
     ("shapes.csv", "", "id,major\n0,1\n", "shapes.csv has no column minor"),
-    ("run.json", '"status"', '"period": "wide", "status"', '"period" must be two numbers'),
-    ("run.json", '"status"', '"period": [1, "a"], "status"', '"period" must be two numbers'),
-    ("run.json", '"status"', '"low": [1], "status"', '"low" must be two numbers'),
+    ("run.json", '"status"', '"period": "wide", "status"', '"period" must be two or three numbers'),
+    ("run.json", '"status"', '"period": [1, "a"], "status"', '"period" must be two or three numbers'),
+    ("run.json", '"status"', '"low": [1], "status"', '"low" must be two or three numbers'),
     ("run.json", '"status"', '"units": [1], "status"', '"units" must be an object'),
     ("run.json", '"versions"', '"parameters": 3, "versions"', '"parameters" must be an object'),
 ])

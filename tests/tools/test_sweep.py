@@ -47,6 +47,17 @@ def made(out):
     return len((out / "runs/count").read_text().split())
 
 
+def test_files_and_results_are_those_of_ones_own_folder(tmp_path, monkeypatch):
+    """A mesh beside the case was looked for in the project, and so were its includes."""
+    (tmp_path / "own.edp").write_text('include "lib/core/options.idp"\nstring mesh = optFile("-mesh", "", "the mesh");\n')
+    (tmp_path / "own.mesh").write_text("")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("FF_INCLUDEPATH", "")
+    sweep, _, _ = sweep_tool.read(["own.edp", "--vary", "a=1", "--quantity", Y, "--", "-mesh", "own.mesh", "-tend", "1"])
+    assert sweep.options == {"-mesh": str(tmp_path / "own.mesh"), "-tend": "1"} and sweep.out == tmp_path / "results/sweep/own"
+    assert str(tmp_path) in os.environ["FF_INCLUDEPATH"].split(";")
+
+
 def test_a_sweep_makes_all_combinations_with_means_and_resumes(case, tmp_path, capsys, monkeypatch):
     figures = []
     monkeypatch.setattr(figure, "save", lambda drawn, path: figures.append(drawn) or path)

@@ -40,7 +40,8 @@ NEEDED = {"particles": "t id x y theta radius", "fluid": "t", "contacts": "t i j
 IN_SPACE = {"particles": "t id x y z radius"}  # those of a run in three dimensions
 KINDS = {"parameters": (dict, "an object in braces"), "units": (dict, "an object in braces"),
     "base_units": (dict, "an object in braces"), "sides": (dict, "an object in braces"),
-    "period": (list, "two numbers in brackets"), "low": (list, "two numbers in brackets"), "open": (list, "labels in brackets")}
+    "period": (list, "two or three numbers in brackets"),
+    "low": (list, "two or three numbers in brackets"), "open": (list, "labels in brackets")}
 
 
 def own(path):
@@ -79,7 +80,8 @@ class RunFolder(Arrays):
         for name, (kind, words) in KINDS.items():
             value = info.get(name)
             if value is not None and (not isinstance(value, kind) or kind is list and not all(type(one) in (int, float)
-                for one in value) or name in ("period", "low") and len(value) != 2):
+                for one in value) or name in ("period", "low")
+                    and len(value) not in (2, 3)):
                 raise BadInput(f'{path}: "{name}" must be {words}, not {json.dumps(value)[:60]}')
         return info
 
@@ -160,13 +162,13 @@ class RunFolder(Arrays):
 
     @cached_property
     def period(self):
-        """The period of the domain along x and y, 0 for none."""
-        return tuple(self.info.get("period") or (0.0, 0.0))
+        """The period of the domain along x and y, in three dimensions also z, 0 for none."""
+        return tuple(self.info.get("period") or (0.0,) * (3 if self.in_space else 2))
 
     @cached_property
     def low(self):
-        """Where a period begins along x and y."""
-        return tuple(self.info.get("low") or self.extent[:2])
+        """Where a period begins along x and y, in three dimensions also z."""
+        return tuple(self.info.get("low") or self.extent[:len(self.extent) // 2])
 
     @cached_property
     def open(self):
@@ -190,12 +192,12 @@ class RunFolder(Arrays):
         return low + np.mod(np.asarray(x) - low, period) if period > 0 else x
 
     def images(self, rows):
-        """Rows (n, 6) of id, x, y, theta, radius, minor: brought back into the period, with a copy over
-        each seam that a particle crosses."""
+        """Rows (n, 6) of id, x, y, theta, radius, minor, or in three dimensions (n, 5) of id, x, y, z, radius: brought back into
+        the period, with a copy over each seam that a particle crosses."""
         for axis, period in enumerate(self.period):
             if period > 0 and len(rows):
                 rows[:, 1 + axis] = self.wrapped(rows[:, 1 + axis], axis)
-                step = np.zeros(6)
+                step = np.zeros(rows.shape[1])
                 step[1 + axis] = period
                 low, radius = rows[:, 1 + axis] - self.low[axis], rows[:, 4]
                 rows = np.vstack([rows, rows[low < radius] + step, rows[low > period - radius] - step])
@@ -355,14 +357,17 @@ class RunFolder(Arrays):
         order = np.lexsort((table["t"], table["id"]))
         ids, first = np.unique(table["id"][order], return_index=True)
         parts = np.split(order, first[1:])
-        return {int(one): {name: column[rows] for name, column in table.items()}
-                for one, rows in zip(ids, parts)}
+        tracks = {int(one): {name: column[rows] for name, column in table.items()} for one, rows in zip(ids, parts)}
+        for name, period in zip("xyz", self.period if self.in_space else ()):
+            for track in tracks.values() if period > 0 else ():
+                track[name] = np.unwrap(track[name], period=period)
+        return tracks
 
     def particles_at(self, time):
         """(id, x, y, theta, radius, minor) arrays of the particles inside at a time, linear in time
         between rows, and before the first row of the run this one for who was there from the start.
         In a periodic domain images() of them; a table that jumps over its seam gives the nearer row.
-        In three dimensions (id, x, y, z, radius)."""
+        In three dimensions (id, x, y, z, radius) of images()."""
         rows, begin = [], min((track["t"][0] for track in self.tracks.values()), default=0.0)
         if self.has("fluid") and len(self.fluid["t"]) and begin <= self.fluid["t"][0]:
             time = max(time, begin)
@@ -386,7 +391,7 @@ class RunFolder(Arrays):
             rows.append([one] + [(1 - share) * track[c][low] + share * track[c][high] for c in shown]
                 + ([] if self.in_space else [track["radius"][0] * self.aspect(one)]))
         if self.in_space:
-            return np.array(rows, dtype=float).reshape(-1, 5).T
+            return self.images(np.array(rows, dtype=float).reshape(-1, 5)).T
         return self.images(np.array(rows, dtype=float).reshape(-1, 6)).T
 
     @cached_property

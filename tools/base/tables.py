@@ -64,6 +64,8 @@ def first_fault(path, body, names):
     """One line on the first row that does not fit the header."""
     for number, line in body:
         cells = next(csv.reader([line]))
+        if len(names) == 1 and len(names[0].split()) + names[0].count(";") > 1:
+            return f"{path}: the names of the columns, '{names[0][:60]}', are not separated by commas"
         if len(cells) != len(names):
             return f"{path}, line {number}: {len(cells)} values where the header names {len(names)} columns"
         for name, cell in zip(names, cells):

@@ -135,6 +135,21 @@ def from_here(case, options):
     return words
 
 
+def for_runs(script, options):
+    """The options of a script (from the root) for a tool that runs it again and again: files among them as by from_here; and
+    this process finds its includes beside it."""
+    case = (ROOT / script).resolve()
+    if not case.is_file():
+        return options
+    os.environ["FF_INCLUDEPATH"] = surroundings(case)["FF_INCLUDEPATH"]
+    return from_here(case, options)
+
+
+def results_of(script):
+    """The folder of the results of a script (from the root) that are told no other place: that of its runs."""
+    return Path(surroundings((ROOT / script).resolve()).get("PARTICLES_RESULTS") or ROOT / "results")
+
+
 def file_options(case):
     """{option: whether the case only reads it} of the options that name a file or folder."""
     from tools.compile_errors.names import included

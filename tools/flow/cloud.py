@@ -13,7 +13,7 @@ from scipy.spatial import Delaunay, QhullError, cKDTree
 from tools.base.command import BadInput
 from tools.base.mesh_files import read_mesh
 from tools.base.tables import read_table
-from tools.flow.given import PLACE, Given, named, plain
+from tools.flow.given import PLACE, Given, named, plain, require_si, unused
 from tools.flow.values import nearest
 from tools.meshing import own
 from tools.meshing.plane_mesh import PlaneMesh, oriented
@@ -87,6 +87,7 @@ def read(files, velocity, mesh, scale):
         if not Path(file).is_file():
             raise BadInput(f"cannot read the flow {file}: it is not there")
         table = read_table(file, finite=True)
+        require_si(table, scale != 1, str(file))
         low = {plain(name): values for name, values in table.items()}
         places = next((pair for pair in PLACE if set(pair) <= set(low)), None)
         if not places:
@@ -94,7 +95,7 @@ def read(files, velocity, mesh, scale):
         points = scale * np.column_stack([low[name] for name in places])
         rest = {name: values for name, values in table.items() if plain(name) not in places}
         frame = named(rest, velocity, str(file))
-        names = names or list(frame)
+        names, flow.unused = names or list(frame), unused(rest)
         if list(frame) != names:
             raise BadInput(f"{file} has {', '.join(frame)}, {files[0][1]} has {', '.join(names)}; all times need the same")
         values = np.stack([frame[name] for name in names], axis=1)

@@ -15,6 +15,10 @@ THIRD = "w", "z-velocity", "z_velocity", "u:2", "u_2", "velocity:2", "velocity_2
 SCALARS = {"k": ("k", "turb-kinetic-energy", "turb_kinetic_energy", "turbulent_kinetic_energy", "turbulence kinetic energy", "tke"),
            "epsilon": ("epsilon", "turb-diss-rate", "turb_diss_rate", "turbulent_dissipation_rate", "turbulence eddy dissipation"),
            "omega": ("omega", "specific-diss-rate", "specific_diss_rate", "turbulence eddy frequency")}
+ROLES = {"length": {name for pair in PLACE for name in pair}, "velocity": {name for pair in PAIRS for name in pair} | {*THIRD},
+    **{name: {*known} for name, known in SCALARS.items()}}
+UNITS = {"length": ("m",), "velocity": ("m/s", "ms^-1", "ms-1"), "k": ("m^2/s^2", "m2/s2", "m^2s^-2", "J/kg", "Jkg^-1"),
+    "epsilon": ("m^2/s^3", "m2/s3", "m^2s^-3", "W/kg", "Wkg^-1"), "omega": ("1/s", "s^-1", "s-1")}  # in brackets behind a name
 CMU = 0.09  # epsilon = CMU k omega
 NEGATIVE_MOST = 0.01  # k or epsilon below 0, over its largest value: less is the rounding of another program, which becomes 0
 THIRD_MOST = 1e-3  # third component of the velocity over the largest of the others: above it a flow is not plane
@@ -27,7 +31,8 @@ class Given:
     points: (n, 2), m; polygons: the cells, a list of arrays of corners (any sense of rotation); times: s; frames: of each time a
     dict of arrays, u and v (m/s), and k (m2/s2), epsilon (m2/s3) where both are there, of length n (at points) or of the number of
     cells (in_cells). sides: {name of a patch: (k, 2) corners of its edges}; kinds: {name: "wall", "symmetry" or ""}; on_sides: of
-    each time {name: {array: values at the middles of its edges}}, for the patches where they are given.
+    each time {name: {array: values at the middles of its edges}}, for the patches where they are given. unused: names of
+    turbulent quantities of the files that it lacks.
     """
     points: np.ndarray
     polygons: list
@@ -37,11 +42,35 @@ class Given:
     sides: dict = field(default_factory=dict)
     kinds: dict = field(default_factory=dict)
     on_sides: list = field(default_factory=list)
+    unused: list = field(default_factory=list)
 
 
 def plain(name):
     """The name of an array as in the lists above."""
     return re.sub(r"\s*\[[^]]*\]\s*$", "", name.lower())
+
+
+def unit_of(name):
+    """The unit in brackets behind a name, without blanks ("ms^-1"); "" where there is none."""
+    return "".join(re.findall(r"\[([^]]*)\]\s*$", name)).replace(" ", "")
+
+
+def require_si(names, scaled, source):
+    """Raises BadInput where a name of a column has a unit in brackets that is none of SI; scaled: lengths may have any."""
+    for name in names:
+        role = next((role for role, known in ROLES.items() if plain(name) in known), "")
+        unit = unit_of(name)
+        if unit and role and unit not in UNITS[role] and not (scaled and role == "length"):
+            raise BadInput(f"{source}: the column {name} is not in {UNITS[role][0]}: write the table in SI units"
+                + (", or give --scale" if role == "length" else ""))
+
+
+def unused(*names):
+    """The turbulent quantities among names of arrays, in lists of those at one place each, the velocities' first, that make no k and
+    epsilon there."""
+    kinds = [[kind for kind, known in SCALARS.items() if any(plain(one) in known for one in some)] for some in names]
+    whole = "k" in kinds[0] and len(kinds[0]) > 1
+    return [] if whole else sorted({kind for some in kinds for kind in some})
 
 
 def named(arrays, wanted, source):

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from tools.base.command import BadInput
-from tools.flow.given import Given, chosen_times, named
+from tools.flow.given import Given, chosen_times, named, unused
 from tools.flow.openfoam_files import Foam, constant
 
 FIELDS = ("k", "epsilon", "omega")
@@ -41,6 +41,7 @@ def read(path, times, velocity):
         flow.frames.append(named(cells, None, str(folder / name)))
         flow.on_sides.append({patch: named_side(given, name, axes, flow.frames[-1]) for patch, given in sides.items()})
         flow.times.append(time)
+        flow.unused = unused(values)
     return flow
 
 

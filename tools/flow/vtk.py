@@ -5,6 +5,7 @@ between two planes across x, y or z, of which the face in the lower plane counts
 """
 import contextlib
 import io
+import itertools
 import xml.etree.ElementTree
 from pathlib import Path
 
@@ -12,7 +13,7 @@ import meshio
 import numpy as np
 
 from tools.base.command import BadInput
-from tools.flow.given import Given, chosen_times, named, require_finite
+from tools.flow.given import Given, chosen_times, named, require_finite, unused
 
 CORNERS = {"triangle": 3, "triangle6": 3, "triangle7": 3, "quad": 4, "quad8": 4, "quad9": 4}
 # the faces of 3-D cells, in VTK's order of corners
@@ -26,12 +27,14 @@ def listed(path, times):
     """[(time, file)] that --times picks of a .pvd. Raises BadInput."""
     try:
         root = xml.etree.ElementTree.parse(path).getroot()
-        rows = sorted((float(one.get("timestep") or 0), one.get("file")) for one in root.iter("DataSet")
-            if one.get("part") in (None, "0"))
+        rows = sorted((float(one.get("timestep") or 0), one.get("file")) for one in root.iter("DataSet"))
     except (OSError, xml.etree.ElementTree.ParseError, ValueError) as problem:
         raise BadInput(f"cannot read {path}: {problem}") from None
     if not rows:
         raise BadInput(f"{path} lists no files")
+    if any(time == later for (time, _), (later, _) in itertools.pairwise(rows)):
+        raise BadInput(f"{path} lists several files of one time, parts of a mesh perhaps; one file for each time is taken (in ParaView "
+            f"the filter Merge Blocks, then save as .vtu)")
     return [(rows[k][0], Path(path).parent / rows[k][1]) for k in chosen_times([time for time, _ in rows], times, str(path))]
 
 
@@ -40,9 +43,9 @@ def read(files, velocity, values):
     BadInput."""
     flow = None
     for time, file in files:
-        points, polygons, arrays, in_cells = one_file(file, velocity, values)
+        points, polygons, arrays, in_cells, rest = one_file(file, velocity, values)
         if flow is None:
-            flow = Given(points, polygons, [], [], in_cells)
+            flow = Given(points, polygons, [], [], in_cells, unused=rest)
         elif (in_cells != flow.in_cells or points.shape != flow.points.shape or len(polygons) != len(flow.polygons)
                 or not np.allclose(points, flow.points, rtol=0, atol=FLAT * np.ptp(points, axis=0).max())):
             raise BadInput(f"{file} has another mesh than {files[0][1]}; all times need the same")
@@ -52,7 +55,7 @@ def read(files, velocity, values):
 
 
 def one_file(file, velocity, values):
-    """(points (n, 2), polygons, {"u", "v", ...}, whether these are in the cells) of a file. Raises BadInput."""
+    """(points (n, 2), polygons, {"u", "v", ...}, whether these are in the cells, what is unused) of a file. Raises BadInput."""
     if not Path(file).is_file():
         raise BadInput(f"cannot read the flow {file}: it is not there")
     try:
@@ -78,10 +81,12 @@ def one_file(file, velocity, values):
     number[used] = np.arange(len(used))
     polygons = [number[one] for one in polygons]
     if at_points is not None:
-        return points[used][:, axes], polygons, {name: array[used] for name, array in at_points.items()}, False
+        return (points[used][:, axes], polygons, {name: array[used] for name, array in at_points.items()}, False,
+            unused(data.point_data, data.cell_data))
     cells = {name: np.concatenate([np.asarray(part, float) for part in parts])[kept] for name, parts in data.cell_data.items()
         if all(np.ndim(part) == np.ndim(parts[0]) for part in parts)}
-    return points[used][:, axes], polygons, named(turned(cells, axes), velocity, str(file)), True
+    return (points[used][:, axes], polygons, named(turned(cells, axes), velocity, str(file)), True,
+        unused(data.cell_data, data.point_data))
 
 
 def turned(arrays, axes):

@@ -3,8 +3,8 @@
     python -m tools.rerun RUN [-out FOLDER] [OPTION VALUE ...]
 
 Runs the text of the case that RUN keeps (case.edp) with the words of the command that run.json records, the mesh of RUN and the
-files that options named, as RUN keeps them, with as many threads as RUN had. Options behind RUN take the place of recorded ones, or are added. Without -out the
-repeat goes into RUN_again, or the next free RUN_again_2, ...; RUN itself is never written to. Repeated by the same version of the
+files that options named, as RUN keeps them, with as many processes and threads as RUN had. Options behind RUN take the place of
+recorded ones, or are added. Without -out the repeat goes into RUN_again, or the next free RUN_again_2, ...; RUN itself is never written to. Repeated by the same version of the
 project on the same machine, the tables of a run have the same bytes but for columns of CPU time.
 
 A run that was continued in its own folder is repeated in one piece, from its beginning, without -restart and -maxwall. Other
@@ -20,6 +20,7 @@ import sys
 from pathlib import Path
 
 from tools.base.command import BadInput, Parser
+from tools.base.ranks import MPI_ENVIRONMENT, launcher
 from tools.base.run_folder import RunFolder
 from tools.base.runner import commit, freefem, freefem_version
 from tools.compile_errors.run import file_options, found, from_here, run, surroundings
@@ -123,5 +124,9 @@ def main():
     for line in differences(one):
         print(f"warning: {line}", file=sys.stderr)
     threads = {"OPENBLAS_NUM_THREADS": str(one.info["threads"])} if isinstance(one.info.get("threads"), int) else {}
-    return run([freefem(), "-nw", str(case), *(word for pair in again.items() for word in pair), "-out", str(out)],
+    processes = one.info.get("processes")
+    begin = [freefem(), "-nw"]
+    if isinstance(processes, int) and processes > 1:
+        begin, threads = [launcher(), "-np", str(processes)], MPI_ENVIRONMENT | threads
+    return run([*begin, str(case), *(word for pair in again.items() for word in pair), "-out", str(out)],
         surroundings(case) | threads)

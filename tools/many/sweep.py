@@ -39,6 +39,7 @@ from tools.base.command import ROOT, BadInput, Parser, case_options, out_folder,
 from tools.base.engine import Job, failure, kept, read_note, run_all, run_job
 from tools.base.run_folder import RunFolder
 from tools.base.runner import cores
+from tools.compile_errors.run import for_runs, results_of
 from tools.many import batch
 from tools.many.plan import Sweep, folder_name, read_vary, words_of
 from tools.many.table import means, state, write_means, write_sweep
@@ -137,8 +138,8 @@ def read(words):
         raise BadInput("--quantity names one quantity twice")
     known = quantities.load(given.quantities)
     functions = {text: quantities.parse(text, known) for text in given.quantity}
-    options = case_options(words[cut + 1:], ["-out", "-overwrite", *(f"-{name}" for name in vary)])
-    out = given.out or out_folder(str(ROOT / "results" / "sweep" / Path(script).stem))
+    options = case_options(for_runs(script, words[cut + 1:]), ["-out", "-overwrite", *(f"-{name}" for name in vary)])
+    out = given.out or out_folder(str(results_of(script) / "sweep" / Path(script).stem))
     return Sweep(script, vary, given.quantity, over, options, out, given.jobs, given.limit, given.retry,
         given.quantities), functions, given
 

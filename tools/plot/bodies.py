@@ -98,7 +98,7 @@ def polygons(run, time, bodies, forces):
     pushed = np.zeros((number, 3))
     pushed[:, :2] = np.nan if forces is None else np.array([forces[int(one)] for one in ids]).reshape(-1, 2)
     values["contact_force"] = pushed
-    if run.outlines:
+    if run.outlines and number:
         return shaped(run, bodies, values)
     cells = np.arange(number * CORNERS).reshape(number, CORNERS)
     return meshio.Mesh(points.reshape(-1, 3), [("polygon", cells)], cell_data={name: [value] for name, value in values.items()})

@@ -1,4 +1,4 @@
-"""The fields of a run at any time, and the times of a film.
+"""The fields of a run at any time, the times of a film, and tracks that pass the seams of a period.
 
 Between two snapshots the fields are linear in time, node by node, where both have the same
 mesh; else the nearer one is taken. Before the first and after the last they are those.
@@ -47,3 +47,15 @@ def film_times(run):
     rows = rows[(rows > fields[0] + slack) & (rows <= fields[-1] + slack)]
     rows = np.r_[fields[0], rows[np.r_[True, np.diff(rows) > slack]]] if len(rows) else fields
     return rows if len(rows) > len(fields) else fields
+
+
+def broken(track, extent, period=(0, 0)):
+    """A track as pieces (k, 2) in the domain, cut at its seams. Where the period is known a piece goes on for a
+    row beyond the seam at either end, to be clipped there; else it ends where the table jumps over the seam."""
+    points, period = np.column_stack([track["x"], track["y"]]), np.asarray(period, dtype=float)
+    if not period.any():
+        jumps = np.any(abs(np.diff(points, axis=0)) > 0.5 * np.asarray(extent[2:]), axis=1)
+        return np.split(points, np.flatnonzero(jumps) + 1)
+    cells = np.floor((points - extent[:2]) / np.where(period > 0, period, np.inf))
+    cuts = [0, *np.flatnonzero(np.diff(cells, axis=0).any(axis=1)) + 1, len(points)]
+    return [points[max(low - 1, 0):high + 1] - cells[low] * period for low, high in zip(cuts, cuts[1:])]

@@ -26,7 +26,7 @@ from tools.plot import spheres
 from tools.plot.captions import headline, second_bar
 from tools.plot.colour import COLOURS, Look
 from tools.plot.film import make_film
-from tools.plot.in_time import FieldsInTime
+from tools.plot.in_time import FieldsInTime, broken
 from tools.plot.overlays import plot_chains, plot_outlines
 from tools.plot.series import plot_series, series
 from tools.plot.style import (LINE_MAP, MARGINS, SHOWN, TWO_BARS, clip_to, draw_boundary, draw_particles, draw_speed,
@@ -97,18 +97,6 @@ def plot_fields(run, path, number=6, show="speed", colour=None, streamlines=Fals
     what = f"{name} and {bodies}" if with_velocity and run.has("particles") else name if with_velocity else bodies
     headline(figure, title(run, what, figure.get_figwidth()))
     return save(figure, path)
-
-
-def broken(track, extent, period=(0, 0)):
-    """A track as pieces (k, 2) in the domain, cut at its seams. Where the period is known a piece goes on for a
-    row beyond the seam at either end, to be clipped there; else it ends where the table jumps over the seam."""
-    points, period = np.column_stack([track["x"], track["y"]]), np.asarray(period, dtype=float)
-    if not period.any():
-        jumps = np.any(abs(np.diff(points, axis=0)) > 0.5 * np.asarray(extent[2:]), axis=1)
-        return np.split(points, np.flatnonzero(jumps) + 1)
-    cells = np.floor((points - extent[:2]) / np.where(period > 0, period, np.inf))
-    cuts = [0, *np.flatnonzero(np.diff(cells, axis=0).any(axis=1)) + 1, len(points)]
-    return [points[max(low - 1, 0):high + 1] - cells[low] * period for low, high in zip(cuts, cuts[1:])]
 
 
 def plot_trajectories(run, path):

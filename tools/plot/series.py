@@ -1,4 +1,6 @@
 """Time series of a run: fluid.csv over time, and the flux through each outlet."""
+from textwrap import fill
+
 import numpy as np
 from matplotlib.ticker import MaxNLocator, NullFormatter
 
@@ -11,6 +13,8 @@ from tools.plot.style import CURVES, LINE_MAP, PAGE_WIDTH, ROUNDING, curve, plt,
 
 ROW = 1.75  # inches: height of a row of panels
 AXIS = 1.4  # inches: of the axes in it
+SIGNS = 90  # of a legend across the page
+NAMED = 24  # signs of a line in a legend
 
 
 def outlets(run):
@@ -19,11 +23,13 @@ def outlets(run):
     if not run.has("fluxes"):
         return []
     table = run.columns("fluxes", "t", "label", "flux")
-    labels = [int(one) for one in np.unique(table["label"]) if SIDES.get(int(one)) != "inlet"]
+    moving = (run.info.get("labels") or {}).get("moving") or ()  # of a case; "inlet" of a run that does not list its labels
+    labels = [int(one) for one in np.unique(table["label"]) if SIDES.get(int(one)) != "inlet" and one not in moving]
     found = []
     for label in labels:
         here = table["label"] == label
-        found.append((SIDES.get(label, f"label {label}"), np.interp(run.fluid["t"], table["t"][here], table["flux"][here])))
+        name = run.sides.get(label) or SIDES.get(label, f"label {label}")
+        found.append((name, np.interp(run.fluid["t"], table["t"][here], table["flux"][here])))
     names = [name for name, _ in found]
     for one, other in (("left", "right"), ("bottom", "top")):
         if one in names and other in names and np.allclose(sum(found[names.index(k)][1] for k in (one, other)), 0,
@@ -70,6 +76,13 @@ def series(run):
     return spheres.track_panels(run) + [panel for panel in panels if spheres.tells(run, *panel[:2])] if run.in_space else panels
 
 
+def beside(names, signs):
+    """How many of the names of curves, wrapped, stand beside each other in a legend in a width of so many signs; 1 at least."""
+    widths = [6 + max(map(len, name.split("\n"))) for name in names]  # with the piece of a line before each
+    fits = [count for count in range(1, min(len(names), 4) + 1) if sum(max(widths[k::count]) for k in range(count)) <= signs]
+    return max(fits, default=1)
+
+
 def plot_series(run, path):
     """fluid.csv over time; overlaps are over the smallest radius."""
     wanted = series(run)
@@ -98,8 +111,10 @@ def plot_series(run, path):
                 one.set_ylim(10 ** np.floor(np.log10(low)), 10 ** np.ceil(np.log10(high)))
         if 1 < len(curves) <= len(CURVES):  # in a row above the curves
             low, high = one.get_ylim()
-            one.set_ylim(low, high + 0.2 * (high - low))
-            one.legend(loc="upper center", ncols=min(len(curves), 4))
+            names = [fill(name, NAMED) for name, *_ in curves]
+            lines, across = max(name.count("\n") + 1 for name in names), beside(names, SIGNS * len(one.get_subplotspec().colspan) / columns)
+            one.set_ylim(low, high + 0.2 * lines * -(-len(names) // across) * (high - low))
+            one.legend(names, loc="upper center", ncols=across)
         if label == "number":
             one.yaxis.set_major_locator(MaxNLocator(integer=True))
         fit_label(one, label, AXIS)

@@ -44,7 +44,9 @@ def contact_lines(run, time):
     lines, kept = [], []
     if rows_of(run.particles, time) is None:
         return np.zeros((0, 2, 3)), {name: np.zeros(0) for name in names}, None
-    place = {int(one): (np.array([x, y, z]), radius) for one, x, y, z, radius in zip(*run.particles_at(time))}
+    place, periods = {}, np.array(run.period)
+    for one, x, y, z, radius in zip(*run.particles_at(time)):  # the first of several images
+        place.setdefault(int(one), (np.array([x, y, z]), radius))
     forces = {one: np.zeros(3) for one in place}
     rows = rows_of(run.contacts, time) if run.has("contacts") else None
     if rows is not None:
@@ -57,7 +59,10 @@ def contact_lines(run, time):
             if i not in place:
                 continue
             begin, radius = place[i]
-            lines.append([begin, place[j][0] if j in place else begin - (radius + gap) * n])
+            step = place[j][0] - begin if j in place else -(radius + gap) * n
+            if j in place:  # to the nearest image
+                step = step - periods * np.round(step / np.where(periods > 0, periods, np.inf))
+            lines.append([begin, begin + step])
             kept.append((i, j, gap, impulse, force))
     return np.array(lines).reshape(-1, 2, 3), dict(zip(names, np.array(kept, float).reshape(-1, 5).T)), forces
 

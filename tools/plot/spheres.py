@@ -16,6 +16,7 @@ from tools.base.mesh_files import Mesh
 from tools.base.run_folder import RunFolder
 from tools.base.space_mesh import SNAP, Section
 from tools.plot.captions import headline
+from tools.plot.in_time import broken
 from tools.plot.style import BODY_EDGE, LINE_MAP, PAGE_WIDTH, clip_to, draw_outline, frame, particle_artists, plt, save, title
 
 RIM = {"front": "-", "behind": (0, (3, 2))}  # dashes of the spheres that the plane does not cut
@@ -51,7 +52,7 @@ class SphereRun(RunFolder):
         table = self.particles if self.has("particles") else {}
         for axis in (1, 0):
             for at in (middle(low[axis], size[axis]), low[axis], low[axis] + size[axis]):
-                if len(table) and np.any(abs(table["xyz"[axis]] - at) < table["radius"]):
+                if len(table) and np.any(abs(self.whole.wrapped(table["xyz"[axis]], axis) - at) < table["radius"]):
                     return axis, float(at)
         return 1, middle(low[1], size[1])
 
@@ -66,7 +67,7 @@ class SphereRun(RunFolder):
         symmetry."""
         low, size = np.array(self.whole.extent).reshape(2, 3)
         points, found = self.whole.mesh.points[self.whole.mesh.triangles], {}
-        for axis in range(3):
+        for axis in np.flatnonzero(np.array(self.whole.period) == 0):
             for at in (low[axis], low[axis] + size[axis]):
                 labels = self.whole.mesh.labels[(abs(points[:, :, axis] - at) < SNAP * size.max()).all(axis=1)]
                 if set(labels) <= set(self.open) and self.has("particles") and any((abs(track["xyz"[axis]] - at)
@@ -236,14 +237,17 @@ def plot_trajectories(run, path):
         ids = list(run.tracks)
         for track in order:
             colour = LINE_MAP(ids.index(int(track["id"][0])) / max(number - 1, 1))
-            line, = axes.plot(track["xyz"[a]], track["xyz"[b]], color=colour, linewidth=1.1, alpha=0.9, zorder=3)
-            clip_to(axes, line, extent)
+            flat = {"x": track["xyz"[a]], "y": track["xyz"[b]]}
+            for piece in broken(flat, extent, (run.whole.period[a], run.whole.period[b])) if any(run.whole.period) else [
+                    np.column_stack([*flat.values()])]:
+                line, = axes.plot(*piece.T, color=colour, linewidth=1.1, alpha=0.9, zorder=3)
+                clip_to(axes, line, extent)
             if track["t"][-1] >= last * (1 - 1e-9):
-                r = track["radius"][-1]
-                disk = Ellipse((track["xyz"[a]][-1], track["xyz"[b]][-1]), 2 * r, 2 * r, facecolor=colour, edgecolor=BODY_EDGE,
-                    alpha=0.75, linewidth=0.6, zorder=5)
-                axes.add_patch(disk)
-                clip_to(axes, disk, extent)
+                end = np.array([[track[name][-1] for name in ("id", "x", "y", "z", "radius")]])
+                for x, y, r in run.whole.images(end)[:, [1 + a, 1 + b, 4]]:
+                    disk = Ellipse((x, y), 2 * r, 2 * r, facecolor=colour, edgecolor=BODY_EDGE, alpha=0.75, linewidth=0.6, zorder=5)
+                    axes.add_patch(disk)
+                    clip_to(axes, disk, extent)
         frame(axes, extent, length, names=("xyz"[a], "xyz"[b]))
     words = "path of one sphere" if number == 1 else f"paths of {number} spheres"
     headline(figure, title(run.whole, words, figure.get_figwidth()))

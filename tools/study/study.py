@@ -46,6 +46,7 @@ from tools.base.run_folder import RunFolder
 from tools.base.runner import cores, freefem, named_files, side_by_side
 from tools.base.space_mesh import SpaceMesh, dimension_of, read_space_mesh
 from tools.base.tables import write_table
+from tools.compile_errors.run import for_runs, results_of
 from tools.study.convergence import LARGEST_ORDER
 from tools.study.report import error_of, extrapolated, name_of, report
 
@@ -221,7 +222,7 @@ def run_study(study, mesh_maker=make_mesh, say=print):
     if mesh_maker is make_mesh and not study.by and study.meshsizes != [None]:
         require_recipe(study.recipe or study.case)
     freefem()
-    study.out = Path(study.out or ROOT / "results" / "study" / study.case).resolve()
+    study.out = Path(study.out or results_of(study.script) / "study" / study.case).resolve()
     study.out.mkdir(parents=True, exist_ok=True)
     pairs = sorted(itertools.product(study.meshsizes, study.dts), key=lambda pair: -(pair[0] or 1) ** 2 * (pair[1] or 1))
     workers = 1 if study.timing else max(1, study.jobs)
@@ -357,7 +358,7 @@ def main(words=None, mesh_maker=make_mesh):
         sizes, by = given.meshsize, None if given.by == "mesh" else f"-{given.by}"
     script = os.path.relpath(Path(given.script).resolve(), ROOT) if Path(given.script).is_file() else given.script
     study = Study(script, sizes or [None], given.dt or [None], given.quantity, given.reference,
-                  case_options(words[cut + 1:], ["-dt", "-out", *([by or "-mesh"] if sizes else [])]), given.out, given.jobs,
+                  case_options(for_runs(script, words[cut + 1:]), ["-dt", "-out", *([by or "-mesh"] if sizes else [])]), given.out, given.jobs,
                       given.timing, given.repeat,
                   given.limit, given.retry, given.recipe, by, given.quantities, given.order)
     records, references = run_study(study, mesh_maker, say=lambda line: print(line, flush=True))

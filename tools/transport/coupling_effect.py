@@ -18,8 +18,9 @@ import numpy as np
 from tools.base.command import ROOT, BadInput, Parser, case_options, out_folder, whole
 from tools.base.run_folder import RunFolder
 from tools.base.tables import write_table
+from tools.compile_errors.run import for_runs
 from tools.plot.style import CURVES, PAGE_WIDTH, plt, save
-from tools.transport.fates import FATES, compute, fates, shown
+from tools.transport.fates import CASE, FATES, compute, fates, shown
 
 COLUMNS = ["seed", "pressure_drop_change_mean_Pa", "pressure_drop_change_least_Pa", "pressure_drop_change_most_Pa",
     "speed_most_change_m_s", "velocity_change_most_m_s",
@@ -103,7 +104,7 @@ def parser():
 def main(words=None):
     """Write table and picture; 0."""
     given, rest = parser().parse_known_args(words)
-    out, more = given.out, case_options(rest, ["-coupling", "-seed", "-out"])
+    out, more = given.out, case_options(for_runs(CASE, rest), ["-coupling", "-seed", "-out"])
     runs = [[RunFolder(folder) for folder in compute(given.seeds, out / way.replace("-", "_"), {**more, "-coupling": way},
         given.jobs)] for way in ("one-way", "two-way")]
     if not all(len(run.particles["t"]) for way in runs for run in way):

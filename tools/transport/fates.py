@@ -26,6 +26,7 @@ from tools.base.command import ROOT, BadInput, Parser, case_options, out_folder,
 from tools.base.engine import Job, run_all
 from tools.base.run_folder import RunFolder
 from tools.base.tables import write_table
+from tools.compile_errors.run import for_runs
 from tools.plot.style import PAGE_WIDTH, CURVES, plt, save
 
 CASE = "cases/pipe_transport.edp"
@@ -171,7 +172,7 @@ def parser():
 def main(words=None):
     """Write the table; 0."""
     given, rest = parser().parse_known_args(words)
-    options = case_options(rest, ["-seed", "-out"])
+    options = case_options(for_runs(CASE, rest), ["-seed", "-out"])
     places = [Path(run).resolve() for run in given.runs or ()]
     again = [str(run) for k, run in enumerate(given.runs or ()) if places[k] in places[:k]]
     if again:
