@@ -91,8 +91,8 @@ def test_a_crowd_loses_its_energy_as_by_events(freefem_text, tmp_path):
         energies.append(exact.energy())
     walls = "".join("contactWallSegment({:.15g}, {:.15g}, {:.15g}, {:.15g});".format(*(side * np.array(ends)))
         for ends in ((0, 0, 1, 0), (1, 0, 1, 1), (1, 1, 0, 1), (0, 1, 0, 0)))
-    _, motion, _ = end(freefem_text, tmp_path / "run", scene(x, v, r), "-restitution", 0.5, "-dt", 2.5e-4, "-tend", times[-1], "-every",
-        times[0], walls=walls)
+    _, motion, _ = end(freefem_text, tmp_path / "run", scene(x, v, r), "-restitution", 0.5, "-dt", 2.5e-4, "-tend", times[-1],
+        "-every", times[0], walls=walls)
     shares = np.array(motion["kinetic_energy"]) / motion["kinetic_energy"][0]
     np.testing.assert_allclose(shares, np.array(energies) / energies[0], rtol=0.05)
     assert shares[-1] < 0.2

@@ -1,4 +1,4 @@
-"""Hard disks without friction that collide in pairs, one event after the other: what contacts alone tend to as their steps become short.
+"""Hard disks without friction that collide in pairs, one event after the other, to which contacts alone tend in short steps.
 
     FreeFem++ -nw cases/granular_collapse.edp -number 150 -release 0 -tend 0.4 -restitution 0.5 -friction 0 -every 0.08 -out RUN
     python -m tools.peers.event_driven RUN 1e-5
@@ -20,7 +20,8 @@ class Disks:
     gravity: m/s2, downwards; box: (left, right, floor, top), m; short: s, see above."""
 
     def __init__(self, x, v, r, e, gravity=0.0, box=(-np.inf, np.inf, -np.inf, np.inf), short=1e-6):
-        self.x, self.v, self.r, self.e, self.g, self.box, self.short = np.array(x, float), np.array(v, float), r, e, gravity, box, short
+        self.x, self.v, self.r = np.array(x, float), np.array(v, float), r
+        self.e, self.g, self.box, self.short = e, gravity, box, short
         self.mass, self.t, self.last = r * r, 0.0, np.full(len(r), -1.0)
         self.pairs, self.walls = np.full((len(r), len(r)), np.inf), np.full((len(r), 4), np.inf)
         for i in range(len(r)):
@@ -88,14 +89,12 @@ class Disks:
         return 0.5 * (self.mass[:, None] * self.v**2).sum()
 
 
-def main():
-    """The command."""
-    try:
-        run, short = sys.argv[1], float(sys.argv[2])
-        folder = RunFolder(run)
-        table, gravity, e, friction = (folder.particles, *(folder.parameter(name, 0.0) for name in ("-gravity", "-restitution", "-friction")))
-    except (IndexError, ValueError):
-        raise BadInput("usage: python -m tools.peers.event_driven RUN TIME") from None
+def by_events(run, short):
+    """Rows of (time in s, mean distance from the middle over the half width in the run, by events, collisions) of a run of contacts
+    alone without friction on a floor at y = 0; short: s, see above. Raises BadInput where the run has friction."""
+    folder = RunFolder(run)
+    table = folder.particles
+    gravity, e, friction = (folder.parameter(name, 0.0) for name in ("-gravity", "-restitution", "-friction"))
     if friction > 0:
         raise BadInput(f"{run} has friction")
     times = np.unique(table["t"])
@@ -104,11 +103,20 @@ def main():
     half = ((first["x"] + radius).max() - (first["x"] - radius).min()) / 2
     disks = Disks(np.column_stack([first["x"], first["y"]]), np.column_stack([first["u"], first["v"]]), radius, e, gravity,
         (-np.inf, np.inf, 0.0, np.inf), short)
-    print("time (s)   mean distance: suite, by events   collisions")
     for t, row in zip(times[1:], rows[1:]):
         hits = disks.advance(t)
-        print(f"{t:8.3f}" + "".join(f"{np.average(np.abs(x), weights=radius**2) / half:16.3f}" for x in (row["x"], disks.x[:, 0]))
-            + f"{hits:16d}", flush=True)
+        yield t, *(np.average(np.abs(x), weights=radius**2) / half for x in (row["x"], disks.x[:, 0])), hits
+
+
+def main():
+    """The command."""
+    try:
+        run, short = sys.argv[1], float(sys.argv[2])
+    except (IndexError, ValueError):
+        raise BadInput("usage: python -m tools.peers.event_driven RUN TIME") from None
+    print("time (s)   mean distance: suite, by events   collisions")
+    for t, suite, exact, hits in by_events(run, short):
+        print(f"{t:8.3f}{suite:16.3f}{exact:16.3f}{hits:16d}", flush=True)
 
 
 if __name__ == "__main__":

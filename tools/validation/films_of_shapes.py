@@ -13,7 +13,8 @@ from tools.validation.particles import axes_of
 
 CASE = "tools/validation/near_shapes.edp"
 # gap: force over viscosity and speed of a capsule and of a square in the middle of the floor of a box of 2 x 2
-FITTED = np.array([(0.0625, 3321.3, 382.88), (0.045, 7931.8, 771.79), (0.03125, 21429, 1778.8), (0.022, 56903, 4156.6),
+FITTED = np.array([(0.125, 601.24, 107.88), (0.09, 1314.5, 188.79), (0.0625, 3321.3, 382.88),
+    (0.045, 7931.8, 771.79), (0.03125, 21429, 1778.8), (0.022, 56903, 4156.6),
     (0.015625, 149549, 9836.1), (0.01125, 382039, 23070), (0.008, 1019730, 57112)])
 SOURCES = {"wall": "body-fitted computation", "pair": "Reynolds' equation"}
 SIZE, RADIUS, DENSITY = 0.0625, 0.125, 2.0
