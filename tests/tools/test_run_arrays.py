@@ -1,6 +1,7 @@
 """A run as arrays, frames and grids; the page that shows them, executed; what a folder holds, in lines."""
 import re
 
+import meshio
 import numpy as np
 import pytest
 
@@ -74,6 +75,18 @@ def test_bodies_that_enter_and_leave_are_nan_elsewhere(tmp_path):
             wrong()
     with pytest.raises(AttributeError, match="no column mass; it has x, y"):
         bodies.mass
+
+
+@pytest.mark.parametrize("name", ["fields.vtu", "fields_0000000.vtu"])
+def test_a_steady_flow_has_one_field(tmp_path, name):
+    """That of a steady run, and that of point particles, which has no row of fluid.csv."""
+    (tmp_path / "run.json").write_text('{"case": "made_up"}')
+    meshio.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [("triangle", [[0, 1, 2]])], point_data={"velocity": [[1.0, 2, 0]] * 3}).write(
+        tmp_path / name)
+    run = RunFolder(tmp_path)
+    assert run.field(0)[1]["velocity"].tolist() == [[1, 2]] * 3 and run.fields == []
+    with pytest.raises(BadInput, match="have no times"):
+        run.over_time("velocity")
 
 
 def test_a_run_without_particles_has_no_bodies(tmp_path):

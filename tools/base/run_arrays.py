@@ -71,7 +71,8 @@ class Arrays:
         """(times (T,), values (T, n) or (T, n, 2), in three dimensions (T, n, 3)) of a nodal field, such as "pressure" or "velocity",
         at all times of the fields. Raises BadInput where the run has no fields, or none of that name, or where their meshes differ."""
         if not self.fields:
-            raise BadInput(f"the run {self.folder} has no fields: -fields SECONDS writes them")
+            self.field_file()
+            raise BadInput(f"the fields of {self.folder} have no times: the flow is steady, field(0) reads it")
         values = []
         for k in range(len(self.fields)):
             _, found = self.field(k)
@@ -82,9 +83,17 @@ class Arrays:
             raise BadInput(f"the fields of {self.folder} are on meshes that differ: read them one by one")
         return np.array([t for t, _ in self.fields]), np.array(values)
 
+    def field_file(self, k=-1):
+        """The path of the k-th field file; of a steady flow, and of point particles in a steady flow, there is one, without a time.
+        Raises BadInput where there is none."""
+        if self.fields:
+            return self.fields[k][1]
+        for name in ("fields.vtu", "fields_0000000.vtu"):
+            if (self.folder / name).is_file():
+                return self.folder / name
+        raise BadInput(f"the run {self.folder} has no fields: the option -fields writes them, where the case has it")
+
     def grid(self, k=-1):
         """The k-th field file (the last by default) as a pyvista.UnstructuredGrid. Raises BadInput where there is none, or pyvista
         is not installed."""
-        if not self.fields:
-            raise BadInput(f"the run {self.folder} has no fields: -fields SECONDS writes them")
-        return package("pyvista").read(str(self.fields[k][1]))
+        return package("pyvista").read(str(self.field_file(k)))

@@ -348,7 +348,7 @@ class RunFolder(Arrays):
 
     def field(self, k):
         """The k-th field file as (mesh, {"velocity": (n, 2), "pressure": (n,)}); in three dimensions the velocity is (n, 3)."""
-        return (read_space_field if self.in_space else read_field)(self.fields[k][1])
+        return (read_space_field if self.in_space else read_field)(self.field_file(k))
 
     @cached_property
     def tracks(self):

@@ -112,7 +112,8 @@ def plot_series(run, path):
         if 1 < len(curves) <= len(CURVES):  # in a row above the curves
             low, high = one.get_ylim()
             names = [fill(name, NAMED) for name, *_ in curves]
-            lines, across = max(name.count("\n") + 1 for name in names), beside(names, SIGNS * len(one.get_subplotspec().colspan) / columns)
+            lines = max(name.count("\n") + 1 for name in names)
+            across = beside(names, SIGNS * len(one.get_subplotspec().colspan) / columns)
             one.set_ylim(low, high + 0.2 * lines * -(-len(names) // across) * (high - low))
             one.legend(names, loc="upper center", ncols=across)
         if label == "number":

@@ -358,8 +358,8 @@ def main(words=None, mesh_maker=make_mesh):
         sizes, by = given.meshsize, None if given.by == "mesh" else f"-{given.by}"
     script = os.path.relpath(Path(given.script).resolve(), ROOT) if Path(given.script).is_file() else given.script
     study = Study(script, sizes or [None], given.dt or [None], given.quantity, given.reference,
-                  case_options(for_runs(script, words[cut + 1:]), ["-dt", "-out", *([by or "-mesh"] if sizes else [])]), given.out, given.jobs,
-                      given.timing, given.repeat,
+                  case_options(for_runs(script, words[cut + 1:]), ["-dt", "-out", *([by or "-mesh"] if sizes else [])]), given.out,
+                      given.jobs, given.timing, given.repeat,
                   given.limit, given.retry, given.recipe, by, given.quantities, given.order)
     records, references = run_study(study, mesh_maker, say=lambda line: print(line, flush=True))
     for line in report(study, records, references):
