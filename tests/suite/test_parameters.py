@@ -27,6 +27,8 @@ MANY = {
     "contactEllipseProject": SCENE,
     "contactEllipseRub": SCENE,
     "contactEllipseStart": SCENE,
+    "pairPlaces": "a matrix, the nodes and pairs of its elements, and the three arrays that are made",
+    "filmTriangles": "points, and what belongs to their triangles",
     "filmShape": "called for either body of the films, with the arrays of a scene",
     "formCircleSegment": "a circle, a segment and what is asked",
     "shapeAppend": "the columns of an entry",
