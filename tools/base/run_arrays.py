@@ -96,4 +96,5 @@ class Arrays:
     def grid(self, k=-1):
         """The k-th field file (the last by default) as a pyvista.UnstructuredGrid. Raises BadInput where there is none, or pyvista
         is not installed."""
-        return package("pyvista").read(str(self.field_file(k)))
+        path = self.field_file(k)
+        return package("pyvista").read(str(path))
