@@ -35,8 +35,8 @@ def test_a_slow_growth_is_stopped_at_the_same_time_by_a_run_that_was_broken_off(
 
 
 def test_bodies_that_rise_and_sink_in_turn_earn_nothing_by_it(freefem_text, tmp_path):
-    """A heavy disk and a light one, whose motion is turned round in every third step and grows by 15 %. With the work of their weights
-    counted without its sign they were stopped at 0.94 s only, with 370 times the energy."""
+    """A heavy disk and a light one, whose motion is turned round in every third step and grows by 15 %. With the work of their
+    weights counted without its sign they were stopped at 0.94 s only, with 370 times the energy."""
     swing = "macro caseStep() if (driveStep % 3 == 0) {{ {} }} // EOM".format(" ".join(f"{name} *= -1.15;" for name in
         ("flowU", "flowV", "flowU1", "flowV1", "bodyQ", "bodyQ1")))
     done = freefem_text(case("{ bodyDisk(0.3, 0.7, 0.1, 2); bodyDisk(0.7, 0.3, 0.1, 0.5); }", more=swing, gravity=-2, mu=0.005),

@@ -66,8 +66,8 @@ def require_si(names, scaled, source):
 
 
 def unused(*names):
-    """The turbulent quantities among names of arrays, in lists of those at one place each, the velocities' first, that make no k and
-    epsilon there."""
+    """The turbulent quantities among names of arrays, in lists of those at one place each, the velocities' first, that make no k
+    and epsilon there."""
     kinds = [[kind for kind, known in SCALARS.items() if any(plain(one) in known for one in some)] for some in names]
     whole = "k" in kinds[0] and len(kinds[0]) > 1
     return [] if whole else sorted({kind for some in kinds for kind in some})

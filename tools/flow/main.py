@@ -132,8 +132,8 @@ def main(words=None):
         f"epsilon; values {'of the cells, fitted' if flow.in_cells else 'as given'} at the vertices\n"
         f"flux in {into:.5g}, out {out:.5g} m2/s")
     if flow.unused:
-        print(f"warning: {' and '.join(flow.unused)} left out: turbulence needs k, and epsilon or omega, where the velocities are, at "
-            f"points or in cells", file=sys.stderr)
+        print(f"warning: {' and '.join(flow.unused)} left out: turbulence needs k, and epsilon or omega, where the velocities are, "
+            f"at points or in cells", file=sys.stderr)
     length = np.linalg.norm(np.diff(mesh.points[mesh.edges], axis=1), axis=2).sum()
     if abs(into - out) > UNBALANCED * max(into, out, LITTLE * speed * length):
         print(f"warning: {into:.4g} m2/s flow in, {out:.4g} out; are fields and mesh of one flow, and the fluid incompressible?",

@@ -33,8 +33,8 @@ def listed(path, times):
     if not rows:
         raise BadInput(f"{path} lists no files")
     if any(time == later for (time, _), (later, _) in itertools.pairwise(rows)):
-        raise BadInput(f"{path} lists several files of one time, parts of a mesh perhaps; one file for each time is taken (in ParaView "
-            f"the filter Merge Blocks, then save as .vtu)")
+        raise BadInput(f"{path} lists several files of one time, parts of a mesh perhaps; one file for each time is taken "
+            f"(in ParaView the filter Merge Blocks, then save as .vtu)")
     return [(rows[k][0], Path(path).parent / rows[k][1]) for k in chosen_times([time for time, _ in rows], times, str(path))]
 
 

@@ -4,8 +4,9 @@
 
 Runs the text of the case that RUN keeps (case.edp) with the words of the command that run.json records, the mesh of RUN and the
 files that options named, as RUN keeps them, with as many processes and threads as RUN had. Options behind RUN take the place of
-recorded ones, or are added. Without -out the repeat goes into RUN_again, or the next free RUN_again_2, ...; RUN itself is never written to. Repeated by the same version of the
-project on the same machine, the tables of a run have the same bytes but for columns of CPU time.
+recorded ones, or are added. Without -out the repeat goes into RUN_again, or the next free RUN_again_2, ...; RUN itself
+is never written to. Repeated by the same version of the project on the same machine, the tables of a run have the same
+bytes but for columns of CPU time.
 
 A run that was continued in its own folder is repeated in one piece, from its beginning, without -restart and -maxwall. Other
 folders that options name (-flow, another run in -restart) must still be there. A warning tells where the commit, or the version
