@@ -113,7 +113,7 @@ def test_the_version_is_one():
     assert f"version: {version}\n" in read("CITATION.cff")
     assert re.search(r"^## (.+)$", read("CHANGELOG.md"), flags=re.M).group(1) == version
     assert f"version {version}" in read("docs/cite.md")
-    assert f'string outVersion = "{version}"' in read("lib/core/output.idp")
+    assert f'string outVersion = "{version}"' in read("lib/core/run_json.idp")
 
 
 @pytest.fixture(scope="module")
