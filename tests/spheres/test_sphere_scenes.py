@@ -118,3 +118,45 @@ def test_a_sphere_that_shuts_a_throat_ends_the_run_in_words(freefem_text, tmp_pa
         return
     assert run.returncode == 4 and run.stderr.count("\n") == 1
     assert "label 1 (inlet) cannot reach an outlet: sphere 0 leaves" in run.stderr
+
+
+@pytest.mark.parametrize("fill, step, words, status, said", [
+    ("sphereMoves(bodySphere(0, 0, 0.03, R, 1000), 0, sqrt(-1.), 0);", "", [], 3, "the velocities must be numbers"),
+    ("sphereSpins(bodySphere(0, 0, 0.03, R, 1000), 1e40, 0, 0);", "", [], 3, "sphereSpins(0, 1e+40, 0, 0): the velocities"),
+    ("bodySphere(0, 0, 0.03, R, 1000);", "sphereForce[2] = sqrt(-1.)", [], 3, "caseStep has given sphere 0 a force"),
+    ("bodySphere(0, 0, 0.03, R, 1000);", "sphereQ[3] = 1e200", [], 3, "caseStep has given sphere 0 a velocity"),
+    ("bodySphere(0, 0, 0.03, R, 1000); sphereWallRough(labelTop, 0.3);", "", ["-friction", 1], 3, "the mesh has no wall with"),
+    ("sphereMoves(bodySphere(0, 0, 0.03, R, 1000), 1e20, 0, 0);", "", [], 4, "-cfl allows no more than steps of"),
+])
+def test_what_makes_no_flow_ends_in_one_line(fill, step, words, status, said, box, freefem_text, tmp_path):
+    """Numbers that are none, walls that are not there, and a sphere that is too fast for any step."""
+    more = f"macro caseStep() {step}; // EOM" if step else ""
+    run = freefem_text(scene(fill, more=more), "-mesh", box, "-tend", 0.05, *words, "-out", tmp_path / "run", check=False)
+    assert run.returncode == status and said in run.stderr and run.stderr.count("\n") == 1, run.stderr
+
+
+DRY = """
+include "lib/spheres/case.idp"
+optCase("dry", "a sphere and a floor");
+real gravityX = 0, gravityY = 0, gravityZ = -9.81;
+func int floors() {{ real[int] o = [-1, -1, 0], a = [2, 0, 0], b = {side}; return sphereWall(o, a, b); }}
+macro caseWalls() floors(); // EOM
+macro caseParticles() bodySphere(0, 0, 0.2, 0.1, 1000); {more} // EOM
+{macros}
+include "scripts/contact_spheres.edp"
+"""
+
+
+@pytest.mark.parametrize("side, more, macros, said", [
+    ("[0, 2]", "", "", "three coordinates each, not 3, 3 and 2"),
+    ("[0, sqrt(-1.), 0]", "", "", "triangle 1 of the walls has a corner that is not finite"),
+    ("[0, 2, 0]", "sphereSpins(0, sqrt(-1.), 0, 0);", "", "the velocities must be numbers"),
+    ("[0, 2, 0]", "sphereWallRough(1, 0.3);", "", "walls of contacts alone have no labels"),
+    ("[0, 2, 0]", "sphereWaits(0, 0, 1, 0.1, 1000, 1);", "", "are for flows; contacts alone have"),
+    ("[0, 2, 0]", "", "macro flowPeriodicLabels() [1, 2] // EOM", "flowPeriodicLabels is for flows"),
+])
+def test_what_makes_no_scene_of_contacts_alone_is_refused(side, more, macros, said, freefem_text, tmp_path):
+    """A spin that is no number went through all steps to tables of nan with status 0, and what is for flows was passed over."""
+    text = DRY.format(side=side, more=more, macros=macros)
+    run = freefem_text(text, "-tend", 0.01, "-out", tmp_path / "run", check=False)
+    assert run.returncode == 3 and said in run.stderr and run.stderr.count("\n") == 1, run.stderr
