@@ -258,7 +258,7 @@ def test_a_course_of_an_inlet_that_cannot_be_is_refused(course, words, freefem_t
 
 
 @pytest.mark.parametrize("period, more, walls, slip, words", [
-    (1, "", "labelLeft, labelRight", "", "flowPeriodY is 1, but the case has no flowPeriodicLabels; a periodic case sets"),
+    (1, "", "labelLeft, labelRight", "", "flowPeriodY is 1, but the case has no macro flowPeriodicLabels(); a periodic case sets"),
     (0, "", "labelLeft, labelRight, labelBottom", "", "label 14 (top), for which this case has no condition; list it in "
         "flowNoSlip, flowMoving, flowOutlet or flowSlip"),
     (0, "", "labelLeft, labelRight, labelBottom, labelTop", "labelAxis", "no edge with label 8 (axis), which this case needs as "

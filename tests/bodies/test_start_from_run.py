@@ -10,6 +10,7 @@ from tools.base.run_folder import RunFolder
 
 CHANNEL = """include "lib/case.idp"
 optCase("channel", "a disk in a channel");
+optBaseUnits("cm", "g", "s");
 optDefault("-dt", "0.04");
 optDefault("-tolerance", "1e-8");
 optDefault("-forces", "1");
@@ -151,6 +152,15 @@ def test_what_cannot_be_taken_is_refused_in_one_line(channel, freefem_refused, t
     own = [channel / "channel.edp", "-mesh", channel / "24.mesh"] if case == "own" else [case]
     assert wrong in freefem_refused(3, *own, *words, "-start", channel / "coarse", "-out", tmp_path / "run")
     assert not (tmp_path / "run").exists()
+
+
+def test_a_run_in_other_units_is_refused(channel, freefem_refused, tmp_path):
+    """It was taken: mm/s became cm/s."""
+    text = (channel / "channel.edp").read_text()
+    (tmp_path / "other.edp").write_text(text.replace('"cm", "g", "s"', '"cm", "g", "ms"').replace('"channel"', '"other"'))
+    said = freefem_refused(3, tmp_path / "other.edp", "-mesh", channel / "16.mesh", "-tend", 4, "-start", channel / "coarse",
+        "-out", tmp_path / "run")
+    assert "has the units cm, g, s, this case cm, g, ms" in said and not (tmp_path / "run").exists()
 
 
 def test_a_run_without_checkpoints_and_another_period_are_refused(channel, freefem_refused, freefem, cell, tmp_path):

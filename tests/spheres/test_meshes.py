@@ -44,3 +44,17 @@ def test_freefem_reads_the_default_meshes_with_their_labels(freefem_text):
         area = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
         assert dict(zip(numbers[3::2], numbers[4::2])) == pytest.approx(
             {label: area[mesh.labels == label].sum() for label in np.unique(mesh.labels)}, rel=1e-9)
+
+
+def test_tetrahedra_that_lie_on_each_other_are_refused(freefem_text, tmp_path):
+    """A vertex beyond its neighbours, and each tetrahedron turned to a positive volume: they were taken."""
+    one = make(parser().parse_args(["settling_sphere", "--pattern", "grid", "--part", "whole", "--width", "1", "--height", "1",
+        "--corridor", "1", "--corridor-top", "1", "--size", "0.25", "--out", "unused.mesh"]))[0]
+    for to, status in (((0.05, 0.0, 0.5), 0), ((0.3, 0.3, 0.8), 3)):
+        points, tetrahedra = one.points.copy(), one.tetrahedra.copy()
+        points[np.argmin(np.linalg.norm(points - (0, 0, 0.5), axis=1))] = to
+        back = space_mesh.volumes(points, tetrahedra) < 0
+        tetrahedra[back] = tetrahedra[back][:, [1, 0, 2, 3]]
+        space_mesh.write(space_mesh.SpaceMesh(points, tetrahedra, one.triangles, one.labels), tmp_path / "one.mesh")
+        done = freefem_text(f'include "lib/spheres/read_mesh.idp"\nmesh3 Th = spaceRead("{tmp_path}/one.mesh");', check=False)
+        assert done.returncode == status and ("lie on each other" in done.stderr) == (status == 3), done.stderr

@@ -134,6 +134,26 @@ def test_a_macro_that_nobody_asks_for_is_told(more, told, freefem_text, tmp_path
     assert re.findall(r"warning: the macro (\w+) is used nowhere", done.stdout) == [told] * (told is not None)
 
 
+@pytest.mark.parametrize("more, name", [("real flowForceX = 5;", "flowForceX"), ("real push = 2,\n    flowForceY = push;", "flowForceY"),
+    ("int[int] flowPeriodicLabels = [labelLeft, labelRight];", "flowPeriodicLabels"), ("func real boundaryU(real s) { return 1; }",
+        "boundaryU"), ("func boundaryU = 4*y*(1 - y);", "boundaryU"), ("func int caseStep() { return 1; }", "caseStep"),
+    ("real flowForceX = 5;\nmacro flowForceX() 1. // EOM", None), ("real push = max(0., 1.); // real flowForceX = 5;", None),
+    ("macro flowForceX() 1. // EOM\nreal push = flowForceX, twice = 2*flowForceX;", None)])
+def test_a_variable_or_function_for_a_macro_is_refused(more, name, freefem_text, tmp_path):
+    """It was passed over: the macro of that name took its place, with 0, nothing, or no labels."""
+    done = freefem_text(case("bodyDisk(0.5, 0.5, 0.12, 2);", more=more), "-tend", 0.01, "-out", tmp_path / "run", check=False)
+    assert done.returncode == (3 if name else 0), done.stderr
+    assert not name or (f"the case declares {name} as a variable or a function" in done.stderr
+        and len(done.stderr.strip().splitlines()) == 1)
+
+
+def test_spaces_of_a_period_need_its_labels(freefem_text, tmp_path):
+    """Sides that did not match ended with status 139 where flowPeriodicLabels was no macro."""
+    done = freefem_text(case("", more=SEAM.replace("macro flowPeriodicLabels", "macro someLabels")), "-out", tmp_path / "run",
+        check=False)
+    assert done.returncode == 3 and "but no macro flowPeriodicLabels()" in done.stderr, done.stderr
+
+
 # Names that drivers and forms have had for their own: a case's macros found those instead, in silence or with a riddle of the
 # compiler.
 OWN_NAMES = """real {u} = 1, {w} = 0.3, {rate} = 4, {c0} = 0.25, {step} = 7, {entered} = 0.5;

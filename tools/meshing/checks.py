@@ -4,7 +4,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from tools.meshing.labels import NAMES
-from tools.meshing.plane_mesh import edges_of, keys_of, signed_areas, smallest_angles
+from tools.meshing.plane_mesh import CORNERS, edges_of, keys_of, signed_areas, smallest_angles
 
 LEAST_ANGLE = 5.0  # degrees; below it a triangle counts as a sliver
 
@@ -30,7 +30,11 @@ def faults(mesh, outline, tolerance=1e-9, least_angle=LEAST_ANGLE):
             f"surfaces (in gmsh BooleanFragments or Coherence), or mesh one")
 
     edges, count = edges_of(mesh.triangles)
-    if count.max() > 2:
+    over = folded(mesh.triangles)
+    if len(over):
+        x, y = mesh.points[mesh.triangles[over[0]]].mean(axis=0)
+        found.append(f"triangles lie on each other, one of them at ({x:g}, {y:g}): a vertex is misplaced, or a triangle stands twice")
+    elif count.max() > 2:
         found.append("an edge belongs to more than two triangles")
     boundary = np.unique(np.sort(edges[count == 1], axis=1), axis=0)
     labelled = np.unique(np.sort(mesh.edges, axis=1), axis=0)
@@ -44,6 +48,18 @@ def faults(mesh, outline, tolerance=1e-9, least_angle=LEAST_ANGLE):
         if not np.isclose(there, expected, rtol=tolerance, atol=0):
             found.append(f"edges labelled {NAMES[label]} sum to {there:.12g}, its sides to {expected:.12g}")
     return found
+
+
+def slivers(mesh):
+    """How many triangles count as slivers."""
+    return int(np.sum(smallest_angles(mesh.points, mesh.triangles) < LEAST_ANGLE))
+
+
+def folded(triangles):
+    """Numbers of the triangles (m, 3), all counter-clockwise, that lie on another: they go along a side in its direction."""
+    sides = np.concatenate([triangles[:, pair] for pair in CORNERS]).astype(np.int64)
+    _, side, count = np.unique(sides[:, 0] * (sides.max(initial=0) + 1) + sides[:, 1], return_inverse=True, return_counts=True)
+    return np.unique(np.flatnonzero(count[side.ravel()] > 1) % len(triangles))
 
 
 def pieces_of(triangles):

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from tools.base.command import BadInput, Parser
 from tools.meshing import RECIPES, medit, space_mesh
-from tools.meshing.checks import faults, histogram, summary
+from tools.meshing.checks import LEAST_ANGLE, faults, histogram, slivers, summary
 
 FAILED_CHECK = 4
 
@@ -36,7 +36,7 @@ def make(options):
     outline, mesh = RECIPES[options.case][0].build(options)
     if isinstance(mesh, space_mesh.SpaceMesh):
         return mesh, space_mesh.faults(mesh)
-    return mesh, faults(mesh, outline)
+    return mesh, faults(mesh, outline, least_angle=getattr(RECIPES[options.case][0], "LEAST_ANGLE", LEAST_ANGLE))
 
 
 def write(mesh, file):
@@ -70,9 +70,13 @@ def main():
         raise BadInput(f"'{options.out}' is the mesh of a run, whose results belong to it; give another name")
     mesh, found = make(options)
     if found:
-        print(f"error: the mesh was not written: {found[0]}; ask for smaller elements or other dimensions", file=sys.stderr)
+        remedy = getattr(RECIPES[options.case][0], "REMEDY", "ask for smaller elements or other dimensions")
+        print(f"error: the mesh was not written: {found[0]}; {remedy}", file=sys.stderr)
         return FAILED_CHECK
     print(f"{options.out}: {write(mesh, options.out)}")
+    if not isinstance(mesh, space_mesh.SpaceMesh) and slivers(mesh):
+        print(f"warning: {slivers(mesh)} of the {len(mesh.triangles)} triangles have an angle below {LEAST_ANGLE:g} degrees",
+            file=sys.stderr)
     if options.quality and not isinstance(mesh, space_mesh.SpaceMesh):
         print(histogram(mesh))
     return 0

@@ -28,6 +28,8 @@ from tools.meshing.unstructured import extracted, with_gmsh
 
 KINDS = (".geo", ".msh")
 TRIANGLE = 2  # gmsh's number of the triangle of three nodes
+REMEDY = "mend it in the program it comes from, or take other sizes"  # of a mesh that fails its check
+LEAST_ANGLE = 0.1  # degrees; layers of thin triangles at a wall are wanted
 MOST = 1e8  # squares of the element size in the box round a domain
 
 
@@ -97,6 +99,8 @@ def read(gmsh, source, size, all_sizes=False):
     require_triangles(gmsh, source, surfaces)
     points, triangles, number = extracted(gmsh, surfaces)
     points *= scale
+    if not np.all(np.isfinite(points)):
+        raise BadInput(f"'{source}' has a coordinate that is no finite number")
     if len(triangles) == 0:
         raise BadInput(f"'{source}' holds no triangles of three nodes" + (": with --size none are taken of a mesh that a script "
             "merges" if size else
@@ -176,7 +180,8 @@ def named(points, edges, labels, source):
     if np.any(found == 0):
         a, b = points[edges[found == 0][0]]
         raise BadInput(f"{np.sum(found == 0)} boundary edges of '{source}' belong to no physical curve, the first from "
-            f"({a[0]:g}, {a[1]:g}) to ({b[0]:g}, {b[1]:g}): name every side")
+            f"({a[0]:g}, {a[1]:g}) to ({b[0]:g}, {b[1]:g}): name every side; within the domain a triangle is missing, or does not "
+            f"meet its neighbours vertex to vertex")
     inner = set(labels).difference(sides)
     if inner:
         a, b = min(sorted(edge) for edge in inner)
