@@ -28,6 +28,7 @@ MANY = {
     "contactEllipseRub": SCENE,
     "contactEllipseStart": SCENE,
     "pairPlaces": "a matrix, the nodes and pairs of its elements, and the three arrays that are made",
+    "filmCornerParts": "the integrals, with and without corners",
     "filmTriangles": "points, and what belongs to their triangles",
     "filmShape": "called for either body of the films, with the arrays of a scene",
     "formCircleSegment": "a circle, a segment and what is asked",
