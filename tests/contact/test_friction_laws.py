@@ -135,6 +135,13 @@ def test_the_gradient_does_not_go_to_and_fro(tmp_path, kind, mu):
     assert judge.residual(n, f, after) < 1e-8 and (n >= 0).all() and judge.energy(after) < judge.energy(judge.before)
 
 
+@pytest.mark.parametrize("words, warned", [((), 0), (("-friction-maxit", 1, "-friction-pivots", 0), 1)])
+def test_a_law_that_is_not_solved_is_told(words, warned, tmp_path):
+    done = run_freefem(SCRIPT, "-bodies", DATA.format("random", "bodies"), "-walls", DATA.format("random", "walls"), "-friction",
+        "coulomb", "-dt", DT, "-out", tmp_path / "q.csv", *words)
+    assert (done.stdout + done.stderr).count("warning: Coulomb's law is solved up to a residual of") == warned
+
+
 def test_the_judge_tells_solutions_apart(tmp_path):
     """Friction that is 1 % too small is seen by the residual."""
     _, contacts = solved(tmp_path, DATA.format("random", "bodies"), DATA.format("random", "walls"), "coulomb")

@@ -160,3 +160,42 @@ def test_what_makes_no_scene_of_contacts_alone_is_refused(side, more, macros, sa
     text = DRY.format(side=side, more=more, macros=macros)
     run = freefem_text(text, "-tend", 0.01, "-out", tmp_path / "run", check=False)
     assert run.returncode == 3 and said in run.stderr and run.stderr.count("\n") == 1, run.stderr
+
+
+STEP = """
+load "msh3"
+mesh3 T = cube(8, 4, 8, [2*x, y, 2*z]);
+int[int] sides = [1, 3, 2, 3, 3, 3, 4, 3, 5, 3, 6, 1];
+T = change(T, label = sides);
+T = trunc(T, !(x > 1 && z < 1), label = 2);
+savemesh(change(T, flabel = (label == 2 && abs(x - 1) < 1e-6) ? 3 : label), "FILE");
+"""
+LEAVES = """
+include "lib/spheres/case.idp"
+optCase("step", "a sphere falls out of a box; others are moved");
+real rhoFluid = 1, mu = 0.1, gravityX = 0, gravityY = 0, gravityZ = -40;
+int[int] flowNoSlip = [labelWall], flowSlip(0), flowMoving(0), flowOutlet = [labelInlet, labelOutlet];
+func real boundaryRamp(real t) { return 1; }
+macro caseParticles() bodySphere(1.5, 0.5, 1.1, 0.3, 8); sphereHeld(bodySphere(0.5, 0.5, 1.5, 0.3, 1));
+    sphereHeld(bodySphere(0.5, 0.5, 0.5, 0.3, 1)); // EOM
+int[int] place(3);
+macro caseStep() sphereMoves(1, 0, 0, timeNow); sphereMoves(2, 0, 20.*(timeNow > 0.43), 0);
+    if (timeNow > 0.43) sphereMoves(0, 9, 9, 9);
+    for (int k = 0; k < 3; ++k) place[k] = sphereAt(k); // EOM
+include "scripts/spheres.edp"
+cout << "places " << place[0] << " " << place[1] << " " << place[2] << endl;
+"""
+
+
+def test_spheres_keep_their_numbers_when_one_leaves_by_an_outlet_within_the_box(freefem_text, tmp_path):
+    """The outlet lies in the middle of the box around the mesh: the sphere was kept in the void below it, and then `caseStep` moved
+    another sphere than it named. One that is moved out of the mesh was kept too."""
+    freefem_text(STEP.replace("FILE", str(tmp_path / "step.mesh")))
+    done = freefem_text(LEAVES, "-mesh", tmp_path / "step.mesh", "-dt", 0.025, "-cfl", 0,
+        "-tend", 0.5, "-out", tmp_path / "run")
+    assert "places -1 0 -1" in done.stdout and "moved sphere 2 has left the mesh" in done.stdout + done.stderr
+    gone, rows = read_table(tmp_path / "run/exits.csv"), read_table(tmp_path / "run/particles.csv")
+    assert gone["id"].tolist() == [0, 2] and gone["label"][0] == 2 and 0.4 < gone["z"][0] < 0.7
+    first, second = rows["id"] == 1, rows["id"] == 2
+    assert rows["w"][first][1:] == pytest.approx(rows["t"][first][1:] - 0.025, abs=1e-9) and not rows["v"][first].any()
+    assert not rows["w"][second].any() and rows["y"][second][-1] < 1

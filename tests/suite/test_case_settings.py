@@ -104,6 +104,13 @@ def test_what_a_case_sets_is_asked_for_before_anything_is_computed(old, new, say
     assert done.returncode == 3 and says in done.stderr and len(done.stderr.strip().splitlines()) == 1, done.stderr
 
 
+@pytest.mark.parametrize("more", ["bodyQ[0] = sqrt(-1.);", "bodyX[0] = 1e200;"])
+def test_what_a_step_of_the_case_makes_no_number_is_told(more, freefem_text, tmp_path):
+    done = freefem_text(case("bodyDisk(0.5, 0.5, 0.15, 1.5);", more=f"macro caseStep() {more} // EOM"), "-tend", 0.05, "-out",
+        tmp_path / "run", check=False)
+    assert done.returncode == 3 and "caseStep has given a particle" in done.stderr and done.stderr.count("\n") == 1, done.stderr
+
+
 def test_a_budget_with_particles_that_wait_is_refused(freefem_text, tmp_path):
     done = freefem_text(case("queueAt(0.5, 0.5, 0.12, 1, 0.);"), "-budget", 1, "-out", tmp_path / "run", check=False)
     assert done.returncode == 3 and "present from the start" in done.stderr and not (tmp_path / "run").exists()
