@@ -151,3 +151,12 @@ def test_what_shapes_do_not_take_is_refused(words, scene, word, cell, freefem_te
     done = freefem_text(case("bodyCapsule(0.5, 0.5, 0.1, 0.1, 0, 2);", more=WORDS, **scene), "-mesh", cell, *words, check=False)
     lines = done.stderr.strip().splitlines()
     assert done.returncode == 3 and len(lines) == 1 and lines[0].startswith("error: bodies of any shape") and word in lines[0]
+
+
+def test_a_body_whose_parts_lie_outside_is_refused(cell, freefem_text):
+    """Two disks on either side of the box, with their centre in it: they fell as if there were nothing."""
+    clump = "{ real[int] cx = [-1., 2.], cy = [0.5, 0.5], cr = [0.1, 0.1]; bodyClump(cx, cy, cr, 2); }"
+    done = freefem_text(case(clump, more=WORDS), "-mesh", cell, check=False)
+    assert done.returncode == 5 and "in the mesh, but no vertex" in done.stderr and done.stderr.count("\n") == 1, done.stderr
+    done = freefem_text(case(clump.replace("2.]", "0.5]"), more=WORDS), "-mesh", cell, check=False)
+    assert done.returncode == 5 and "error:" in done.stderr, done.stderr

@@ -312,6 +312,15 @@ def test_what_makes_no_scene_is_refused(bodies, status, words, scene):
     assert done.returncode == status and words in done.stderr, done.stderr
 
 
+@pytest.mark.parametrize("other, status", [((0, 2.5), 5), ((0.3, 0.5), 0)])
+def test_separate_parts_of_a_body_stand_on_one_side_of_a_box(other, status, scene):
+    """A part beyond the lid was not seen: the body fell as if there were no walls."""
+    corners = ((-1, 0), (1, 0), (1, 1.5), (-1, 1.5))
+    walls = [f"contactWallSegment({a[0]}, {a[1]}, {b[0]}, {b[1]});" for a, b in zip(corners, corners[1:] + corners[:1])]
+    done = scene([clump([[0, 0.5], other], [0.05, 0.05])], walls, "-dt", 0.01, "-tend", 0.02, check=False)
+    assert done.returncode == status and ("particle 0 has parts on both sides of a wall" in done.stderr) == (status == 5)
+
+
 @pytest.mark.parametrize("rows, words", [
     ("0,0.5,0,0,0.1\n0,0.5,1,0,0.1\n0,0.5,1,1,0.1\n", "row 2: part 0, closed 0.5"),
     ("0,0,0,0,0.1\n1,0,1,0,0.1\n0,0,1,1,0.1\n", "row 4: part 0 again"),

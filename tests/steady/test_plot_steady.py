@@ -34,6 +34,19 @@ def test_the_pictures_are_drawn(run_folder, pipe_run):
     assert not (run_folder / "none").exists()
 
 
+def test_a_laminar_flow_without_tables_of_walls_is_drawn(freefem, tmp_path, capsys):
+    """It was refused for a wall.csv, and tools.plot said that nothing can be drawn."""
+    from tools.plot import steady as plot_steady
+    from tools.plot.resolved import main as plot
+    freefem("cases/cavity.edp", "-reynolds", 100, "-fields", 1, "-out", tmp_path / "run")
+    assert plot_steady.main([str(tmp_path / "run")]) == 0
+    assert capsys.readouterr().out.endswith(": streamlines.png, speed.png, pressure.png\n")
+    for name in ("streamlines", "speed", "pressure"):
+        assert (tmp_path / "run" / f"{name}.png").stat().st_size > 5000
+    with pytest.raises(BadInput, match="python -m tools.plot_steady draws its flow"):
+        plot([str(tmp_path / "run")])
+
+
 def test_a_tall_narrow_flow_is_drawn(freefem, run_folder, monkeypatch):
     """A strip 27 times as high as long: as many lines as the page holds, on a page of that shape."""
     from tools.plot import steady as plot_steady

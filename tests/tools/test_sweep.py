@@ -161,7 +161,7 @@ def test_an_array_job_makes_a_run_a_task(case, tmp_path, capsys):
 @pytest.mark.parametrize("words, found", [
     (["reynolds=100,200", "seed=1:4"], {"reynolds": ["100", "200"], "seed": ["1", "2", "3", "4"]}),
     (["dt=0.1:0.3:0.1,1"], {"dt": ["0.1", "0.2", "0.3", "1"]}), (["-scheme=standard,published"], {"scheme": ["standard",
-        "published"]}),
+        "published"]}), (["mu = 0.1, 0.2 ,0.3"], {"mu": ["0.1", "0.2", "0.3"]}),
 ])
 def test_values_are_lists_and_ranges(words, found):
     assert plan.read_vary(words, ROOT) == found

@@ -24,13 +24,29 @@ class Ended(KeyboardInterrupt):
     """The process is to end, by a signal that is not the keyboard's; what stops for that stops for this."""
 
 
+class Given(argparse._StoreAction):
+    """An option that is given once, or whose values (nargs + or *) are those of all the times that it is given."""
+
+    read = None  # the namespace of the last call
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        if self.option_strings and self.read is namespace:
+            if self.nargs not in ("+", "*"):
+                parser.error(f"argument {option_string}: given twice")
+            values = [*getattr(namespace, self.dest), *values]
+        self.read = namespace
+        super().__call__(parser, namespace, values, option_string)
+
+
 class Parser(argparse.ArgumentParser):
-    """An argument parser whose errors are one line and status 3."""
+    """An argument parser whose errors are one line and status 3; no option replaces an earlier one of its name."""
 
     def __init__(self, *args, **options):
         options.setdefault("formatter_class", argparse.RawDescriptionHelpFormatter)
         options.setdefault("allow_abbrev", False)
         super().__init__(*args, **options)
+        for name in (None, "store"):
+            self.register("action", name, Given)
 
     def error(self, message):
         self.exit(BAD_INPUT, f"error: {message} ({self.prog} --help lists the options)\n")

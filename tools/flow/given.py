@@ -111,10 +111,26 @@ def named(arrays, wanted, source):
         found |= {name: np.maximum(turbulent[name], 0) if np.isfinite(turbulent[name]).all() else turbulent[name]
             for name in ("k", "epsilon")}
     require_finite(found, source)
+    if not names:
+        require_one(low, u, v, source)
     if third is not None and np.abs(third).max(initial=0) > THIRD_MOST * max(np.abs(u).max(), np.abs(v).max()):
         raise BadInput(f"{source}: the flow is 3-D, its third component reaches {np.abs(third).max():.3g} m/s; only plane flows "
             f"are taken")
     return found
+
+
+def require_one(low, u, v, source):
+    """Raises BadInput where arrays {name in lower case: values} of another name for velocities have other ones than u and v."""
+    several = [(name, low[name][:, 0], low[name][:, 1]) for name in VECTORS if name in low and low[name].ndim == 2
+        and low[name].shape[1] > 1]
+    several += [(",".join(pair), *(low[name] for name in pair)) for pair in PAIRS if all(name in low and low[name].ndim == 1
+        for name in pair)]
+    for name, *other in several:
+        same = [np.allclose(a, b, rtol=1e-6, atol=1e-6 * np.abs(a).max(initial=0), equal_nan=True)
+            for a, b in zip((u, v), other)]
+        if not all(same):
+            raise BadInput(f"{source} has velocities that differ under {len(several)} names, "
+                f"{' and '.join(name for name, *_ in several)}: --velocity says which")
 
 
 def require_finite(arrays, source):

@@ -11,9 +11,10 @@ from pathlib import Path
 
 import meshio
 import numpy as np
+from scipy.spatial import cKDTree
 
 from tools.base.command import BadInput
-from tools.flow.given import Given, chosen_times, named, require_finite, unused
+from tools.flow.given import THIRD_MOST, Given, chosen_times, named, require_finite, unused
 
 CORNERS = {"triangle": 3, "triangle6": 3, "triangle7": 3, "quad": 4, "quad8": 4, "quad9": 4}
 # the faces of 3-D cells, in VTK's order of corners
@@ -80,6 +81,8 @@ def one_file(file, velocity, values):
     number = np.full(len(points), -1)
     number[used] = np.arange(len(used))
     polygons = [number[one] for one in polygons]
+    if solid and at_points is not None:
+        require_plane(points[:, axes], used, at_points, file)
     if at_points is not None:
         return (points[used][:, axes], polygons, {name: array[used] for name, array in at_points.items()}, False,
             unused(data.point_data, data.cell_data))
@@ -87,6 +90,21 @@ def one_file(file, velocity, values):
         if all(np.ndim(part) == np.ndim(parts[0]) for part in parts)}
     return (points[used][:, axes], polygons, named(turned(cells, axes), velocity, str(file)), True,
         unused(data.cell_data, data.point_data))
+
+
+def require_plane(points, used, arrays, file):
+    """Raises BadInput where velocities at points of the lower plane (used, of points (n, 2)) and above them differ."""
+    above = np.setdiff1d(np.arange(len(points)), used)
+    if not len(above):
+        return
+    tree = cKDTree(points[above])
+    off, near = tree.query(points[used])
+    pairs = off < FLAT * np.ptp(points, axis=0).max()
+    speed = max(np.abs(arrays[name]).max() for name in "uv")
+    apart = max(np.abs(arrays[name][used] - arrays[name][above[near]])[pairs].max(initial=0) for name in "uv")
+    if apart > THIRD_MOST * speed:
+        raise BadInput(f"{file} is a 3-D flow: between the two planes of its cells the velocity differs by up to {apart:.3g} m/s; "
+            f"write a slice of it (in ParaView the filter Slice)")
 
 
 def turned(arrays, axes):

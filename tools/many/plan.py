@@ -58,13 +58,13 @@ def read_vary(words, folder):
     found = {}
     for word in words:
         name, sign, values = word.partition("=")
-        name = name.removeprefix("-")
+        name = name.strip().removeprefix("-")
         if not sign or not NAME.fullmatch(name):
             raise BadInput(f"'{word}' after --vary must be PARAMETER=VALUE,VALUE,... or PARAMETER=FIRST:LAST")
         if name in found:
             raise BadInput(f"--vary names {name} twice")
         texts = []
-        for text in values.split(","):
+        for text in map(str.strip, values.split(",")):
             span = RANGE.fullmatch(text)
             if span:
                 texts += numbers_of(text, *span.groups())

@@ -249,5 +249,6 @@ def main(words=None):
         print(f"{name}: {path}" + (f" (particles only: {alone})" if bare else ""), flush=True)
     if not made:
         told = "; its numbers stand in results.csv" if run.has("results") else ""
+        told += "; python -m tools.plot_steady draws its flow" if (run.folder / "fields.vtu").is_file() else ""
         raise BadInput(f"nothing in {run.folder} can be drawn" + told)
     return 0

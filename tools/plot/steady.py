@@ -2,8 +2,8 @@
 
     python -m tools.plot_steady results/pipe_flow/run_001
 
-Reads fields.vtu, mesh.mesh, wall.csv and zones.csv of a run of scripts/steady.edp and
-writes PNGs into the run folder (or --out FOLDER). Pressures are gauge ones, above the outlet's
+Reads fields.vtu, mesh.mesh, wall.csv and zones.csv of a run of scripts/steady.edp, or fields.vtu
+and mesh.mesh of one of scripts/steady_laminar.edp with -fields 1, and writes PNGs into the run folder (or --out FOLDER). Pressures are gauge ones, above the outlet's
 (results.csv holds absolute ones). Exit status 3 when they are not there.
 """
 from pathlib import Path
@@ -122,11 +122,12 @@ def main(arguments=None):
     out = Path(options.out or options.run)
     if not (run.folder / "fields.vtu").is_file() or not (run.folder / "mesh.mesh").is_file():
         raise BadInput(f"{options.run} holds no fields.vtu and mesh.mesh of a steady flow")
-    caption(run), run.columns("wall"), run.columns("zones")  # what is damaged ends before anything is written
+    field_mesh, values = read_field(run.folder / "fields.vtu")
+    laminar = "k" not in values  # of scripts/steady_laminar.edp, which writes no tables along the walls
+    caption(run), laminar or (run.columns("wall"), run.columns("zones"))  # what is damaged ends before anything is written
     run.warn_unfinished()
     out.mkdir(parents=True, exist_ok=True)
     mesh = read_mesh(run.folder / "mesh.mesh")
-    field_mesh, values = read_field(run.folder / "fields.vtu")
     # the fields' are those of the mesh cut in four
     if len(field_mesh.triangles) not in (len(mesh.triangles), 4 * len(mesh.triangles)):
         raise BadInput(f"{options.run}: fields.vtu and mesh.mesh do not belong together")
@@ -135,13 +136,13 @@ def main(arguments=None):
     draw_field(run, mesh, field_mesh, speed, f"speed ({names['speed']})", out / "streamlines.png", caption(run) + ": streamlines",
         streams=values["velocity"])
     made = ["streamlines.png"]
-    for name, label, read in PICTURES:
-        field = read(values)
+    for name, label, read in PICTURES[:2] if laminar else PICTURES:
+        field, label = read(values), label.replace("gauge ", "") if laminar else label  # a cavity has no outlet
         if np.ptp(field) > 0:  # k and nu_t of a laminar flow are 0
             draw_field(run, mesh, field_mesh, field, label.format(**names), out / f"{name}.png",
                 f"{caption(run)}: {label.split(' (')[0]}")
             made.append(f"{name}.png")
-    if run.columns("wall")["x"].size:  # a flow between planes of symmetry has none
+    if not laminar and run.columns("wall")["x"].size:  # a flow between planes of symmetry has none
         draw_walls(run, out / "walls.png")
         made.append("walls.png")
     print(f"{out}: " + ", ".join(made))
