@@ -196,16 +196,16 @@ GAPS = """macro caseStep() {
     cout << "gaps " << gapN << " " << before.sum/size.sum << " " << beside.linfty/size.max << " " << far.linfty << endl;
     flowP = 7.;
     beside = closed; beside *= -100.; flowP += beside;
-    gapFill();
+    gapFill(flowP);
     beside = flowP; beside -= 7.;
     Qh slope = 2*x - 3*y;
     flowP = slope[]; beside = beside .* beside; real constant = sqrt(beside.max);
     beside = closed; beside *= 1000.; flowP += beside;
-    gapFill();
+    gapFill(flowP);
     beside = flowP; beside -= slope[];
     cout << "filled " << constant << " " << beside.linfty << endl;
     flowP = wave[]; r = given;
-    gapFill(); gapOpen(r);
+    gapFill(flowP); gapOpen(r);
     one.resize(flowNq) = flowP;
     cout << "transposed " << one'*given << " " << one'*r << endl;
 } // EOM"""
