@@ -39,7 +39,8 @@ class Body:
     def line(self):
         """The line of a case."""
         if self.kind == "clump":
-            return clump(np.array([points[0] for _, points, _ in self.parts]), [radius for *_, radius in self.parts], self.mu, self.motion)
+            return clump(np.array([points[0] for _, points, _ in self.parts]), [radius for *_, radius in self.parts], self.mu,
+                self.motion)
         return polygon(self.parts[0][1], self.parts[0][2], self.mu, self.motion)
 
     def moved(self, way):
@@ -169,7 +170,8 @@ def run(freefem_text, folder, scenes, walls, *words):
     """Velocities (n, 3) of each scene after one step."""
     lines = [body.line() for scene in scenes for body in scene]
     rows_of = np.cumsum([0] + [len(scene) for scene in scenes])
-    freefem_text(scene_text(lines, walls, (0.0, 0.0)), "-dt", DT, "-tend", DT, "-every", DT, "-contact-tol", 1e-12, *words, "-out", folder)
+    freefem_text(scene_text(lines, walls, (0.0, 0.0)), "-dt", DT, "-tend", DT, "-every", DT, "-contact-tol", 1e-12, *words, "-out",
+        folder)
     rows = read_table(folder / "particles.csv")
     begin, end = (np.column_stack([rows[key][rows["t"] == t] for key in ("x", "y", "u", "v", "omega")])
         for t in (rows["t"].min(), rows["t"].max()))
@@ -228,7 +230,8 @@ def test_tilted_faces(mu, freefem_text, tmp_path):
         body = Body("square", place + 0.013 * along, angle + tilt, [*(-normal + 0.2 * along), 0.7], mu or None)
         if kind == "wall":
             wall = (1, np.array([place - 0.6 * along, place + 0.6 * along]), 0.0)
-            lines.append(f"contactWallRough(contactWallSegment({', '.join(repr(float(x)) for x in wall[1].ravel())}), {float(mu)!r});")
+            ends = ", ".join(repr(float(x)) for x in wall[1].ravel())
+            lines.append(f"contactWallRough(contactWallSegment({ends}), {float(mu)!r});")
             scenes.append([against(body, [wall], 3e-6, normal)])
             walls.append([wall])
         else:
@@ -252,7 +255,8 @@ def test_the_order_of_squares_does_not_matter(freefem_text, tmp_path):
         made = [Body("square", place, 0.4, [0.3, 0.1, 2], mu)]
         for side, motion in ((0.4, [-1.5, -0.6, -3]), (0.4 + np.pi / 2, [0.4, -1.2, 1])):
             way = np.array([np.cos(side), np.sin(side)])
-            made.append(against(Body("square", place + 0.02 * way[::-1], 0.4, motion, mu), [p for b in made for p in b.parts], 1e-9, way))
+            others = [part for body in made for part in body.parts]
+            made.append(against(Body("square", place + 0.02 * way[::-1], 0.4, motion, mu), others, 1e-9, way))
         scenes.append([made[j] for j in order])
     found = run(freefem_text, tmp_path / "run", scenes, [], "-friction", 0, "-friction-tol", 1e-11)
     back = np.array([z[np.argsort(order)] for z, order in zip(found, orders * 2)])
