@@ -78,6 +78,12 @@ def test_a_number_of_processes_that_cannot_be_is_refused(number, said):
     assert done.returncode == 3 and said in done.stderr and done.stderr.count("\n") == 1 and done.stdout == ""
 
 
+def test_a_number_of_processes_behind_the_case_is_told():
+    """The case said that it knows no option -n."""
+    done = tool("cases/template.edp", "-n", "2", "-tend", "0.01")
+    assert done.returncode == 3 and "before the case: python -m tools.run -n NUMBER cases/template.edp" in done.stderr
+
+
 def test_help_tells_of_folders_and_signals():
     done = subprocess.run([sys.executable, "-m", "tools.run", "--help"], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0 and all(word in done.stdout for word in ("Ctrl-C", "-out", "status is 3", "FREEFEM"))

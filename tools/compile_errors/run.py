@@ -56,6 +56,8 @@ def main():
     environment = surroundings(case)
     if words.processes < 1:
         raise BadInput(f"-n is a number of processes, at least 1, not {words.processes}")
+    if "-n" in words.options and '"-n"' not in case.read_text(encoding="utf-8", errors="replace"):
+        raise BadInput(f"the number of processes stands before the case: python -m tools.run -n NUMBER {words.case}")
     cores = os.cpu_count() or 1
     if words.processes > CROWD * cores and not any(name in os.environ for name in ELSEWHERE):
         raise BadInput(f"-n {words.processes}: this machine has {cores} cores, and more processes than cores are slower; "
