@@ -44,6 +44,25 @@ def test_bodies_that_rise_and_sink_in_turn_earn_nothing_by_it(freefem_text, tmp_
     assert done.returncode == 4 and "kinetic energy is" in done.stderr
 
 
+KEEP = """macro caseStep() {
+    real E = flowSquare(flowM, flowU, flowV);
+    if (driveStep > 5) { E = sqrt(2e-4/E); flowU *= E; flowV *= E; flowU1 *= E; flowV1 *= E; bodyQ *= E; bodyQ1 *= E; }
+} // EOM"""
+
+
+def test_what_is_created_as_fast_as_it_dissipates_is_found_by_a_run_that_was_broken_off_too(freefem_text, tmp_path):
+    """The kinetic energy keeps nearly the value of the fifth step, while viscosity dissipates it once and again."""
+    text = case("bodyAdd(0.3, 0.7, 0.1, 1, 0.2, 0, 0, 1);", more=KEEP, gravity=0, mu=0.02)
+    found = []
+    for words in (["-out", tmp_path / "whole", "-tend", 2], ["-out", tmp_path / "part", "-tend", 0.1, "-checkpoint", 10],
+        ["-restart", tmp_path / "part", "-out", tmp_path / "rest", "-tend", 2]):
+        done = freefem_text(text, *words, "-every", 0, check=False)
+        found.append((done.returncode, re.search(r"t = (\S+) s what viscosity has dissipated is (\S+) times what was there",
+            done.stderr)))
+    assert [status for status, _ in found] == [4, 0, 4]
+    assert found[0][1].groups() == found[2][1].groups() and 1.5 < float(found[0][1][2]) < 1.7
+
+
 @pytest.mark.parametrize("name, text", [
     ("a heavy disk stops in a very viscous fluid, whose pressure throws it back", case("bodyAdd(0.5, 0.5, 0.1, 12, 0, -1, 0, 1);",
         mu=1.0, gravity=0)),
