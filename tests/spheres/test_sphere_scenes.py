@@ -199,3 +199,30 @@ def test_spheres_keep_their_numbers_when_one_leaves_by_an_outlet_within_the_box(
     first, second = rows["id"] == 1, rows["id"] == 2
     assert rows["w"][first][1:] == pytest.approx(rows["t"][first][1:] - 0.025, abs=1e-9) and not rows["v"][first].any()
     assert not rows["w"][second].any() and rows["y"][second][-1] < 1
+
+
+THROWN = """
+include "lib/spheres/case.idp"
+optCase("thrown", "a sphere that is thrown in a box of fluid at rest");
+optDefault("-mesh", "meshes/settling_sphere.mesh");
+real rhoFluid = 960, mu = 0.0058, gravityX = 0, gravityY = 0, gravityZ = 0;
+int[int] flowNoSlip = [labelWall], flowSlip = [labelLeft, labelFront], flowMoving(0), flowOutlet(0);
+func real boundaryRamp(real t) {{ return 1; }}
+macro caseParticles() {{ bodySphere(0, 0, 0.08, 0.0075, {density}); sphereMoves(0, 0, 0, -0.1); }} // EOM
+include "scripts/spheres.edp"
+"""
+
+
+@pytest.mark.parametrize("ratio, within", [(0.06, 0.2), (1, 0.05), (5, 0.02)])
+def test_a_thrown_sphere_keeps_the_share_of_its_velocity_that_its_added_mass_leaves_it(ratio, within, freefem_text, tmp_path):
+    """s/(s + 1/2) in a wide fluid; four elements per diameter, steps so short that viscosity hardly acts. Continued from the first
+    step the rest is the same, byte for byte."""
+    run, rest = tmp_path / "run", tmp_path / "rest"
+    text = THROWN.format(density=960 * ratio)
+    freefem_text(text, "-dt", 0.0005, "-cfl", 0, "-tend", 0.002, "-checkpoint", 1, "-out", run)
+    speed = -read_table(run / "particles.csv")["w"]
+    assert speed[:5] / 0.1 == pytest.approx(ratio / (ratio + 0.5), rel=within)
+    if ratio == 1:
+        freefem_text(text, "-dt", 0.0005, "-cfl", 0, "-tend", 0.001, "-checkpoint", 1, "-out", rest)
+        freefem_text(text, "-dt", 0.0005, "-cfl", 0, "-tend", 0.002, "-restart", rest)
+        assert (rest / "particles.csv").read_bytes() == (run / "particles.csv").read_bytes()
