@@ -78,7 +78,9 @@ def test_the_walls_of_a_closed_box_feel_what_its_momentum_misses(freefem, tmp_pa
     for axis in "xy":
         given = np.diff(np.concatenate([[0], budget[f"walls_{axis}"]])) / np.diff(np.concatenate([[0], budget["t"]]))
         total = np.array([walls[f"f{axis}"][walls["t"] == t].sum() for t in budget["t"]])
-        np.testing.assert_allclose(total, -given, atol=1e-9 * abs(given).max() + 1e-9)
+        # the trapezoidal rule, but for the first step, of implicit Euler
+        mean = np.concatenate([total[:1], (total[1:] + total[:-1]) / 2])
+        np.testing.assert_allclose(mean, -given, atol=1e-9 * abs(given).max() + 1e-9)
     assert abs(total).max() > 1
 
 

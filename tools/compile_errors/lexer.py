@@ -224,7 +224,9 @@ def brackets(tokens):
     for place, token in enumerate(tokens):
         word = token.text if token.kind == "sign" else ""
         if word in ("(", "[", "{") and word:
-            opened.append((token, place > 0 and tokens[place - 1].text == "for"))
+            before = [one.text for one in tokens[max(place - 2, 0):place]]
+            # for (...; ...; ...) and border name(t = 0, 1; i)
+            opened.append((token, before[-1:] == ["for"] or before[:1] == ["border"]))
         elif word in CLOSING and word:
             if not opened:
                 return [Fault(token.line, f"the {word} here closes nothing")]
