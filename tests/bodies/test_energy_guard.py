@@ -82,7 +82,8 @@ def test_energy_that_something_supplies_is_let_pass(name, text, freefem_text, tm
 
 @pytest.mark.parametrize("ratio", [0.001, 0.01])
 def test_a_light_disk_may_be_let_go(ratio, meshes, tmp_path):
-    """Single nodes beside it are several times too fast in the first steps, before viscosity reaches them; not energy from nothing."""
+    """Single nodes beside it are several times too fast in the first steps, before viscosity reaches them. This is no energy from
+    nothing."""
     run_freefem("cases/settling_disk.edp", "-rhos", ratio, "-mu", 0.01, "-dt", 0.0001, "-tend", 0.004, "-y", 3, "-mesh",
         mesh(meshes, "box_corridor", "--size", 0.25 / 8), "-out", tmp_path / "run")
     assert RunFolder(tmp_path / "run").fluid["t"].max() == pytest.approx(0.004)

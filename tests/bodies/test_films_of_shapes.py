@@ -40,8 +40,8 @@ def test_a_face_approaches_another_one_against_its_film(kind, near, step, box, f
 
 @pytest.mark.parametrize("kind, push, end", [("square", 50, 0.36), ("capsule", 300, 0.5)])
 def test_a_face_has_its_resistance_in_gaps_of_one_to_two_elements(kind, push, end, box, freefem, tmp_path):
-    """From rest at a gap of 2.2 elements to less than one: 25 % at any step. Without a film there the mesh alone had 0.61 to 0.92, and
-    where the gap crossed an element the film came at once."""
+    """From rest at a gap of 2.2 elements to less than one: 25 % at any step. Without a film there the mesh alone had 0.61 to 0.92,
+    and where the gap crossed an element the film came at once."""
     freefem(SCENE, "-mesh", box, "-kind", kind, "-force", push, "-x", 1.02, "-gap", 0.14, "-dt", 1 / 256, "-cfl", 0, "-every", 0,
         "-tend", end, "-out", tmp_path / "run")
     gap, ratio = ratios(numbers(tmp_path / "run", "near.csv"), kind, "wall", push)

@@ -7,17 +7,15 @@ include "lib/case.idp"
 optCase("slopes", "test");
 optEnd();
 include "lib/mesh/labels.idp"
-mesh Th = square(6, 5, [x + 0.1*y*y, y*(1 + 0.2*x)]);
-int[int] relabel = [1, labelWall, 2, labelWall, 3, labelWall, 4, labelWall];
-Th = change(Th, label = relabel);
-Th = adaptmesh(Th, 0.06*(2 + x), IsMetric = 1, nbvx = 20000);
+mesh Th = square(14, 12, [x + 0.1*y*y, y*(1 + 0.2*x)]);
 real flowPeriodX = 0, flowPeriodY = 0;
-int[int] flowNoSlip = [labelWall], flowMoving(0), flowOutlet(0), flowSlip(0);
+int[int] flowNoSlip = [1, 2, 3, 4], flowMoving(0), flowOutlet(0), flowSlip(0);
 real rhoFluid = 1, mu = 1;
 include "lib/scheme/frame_slopes.idp"
 rowsShare = SHARE;
 // a field that vanishes outside a disk within the mesh, and the list of the nodes where it does not
-Wh near = max(0., 1 - ((x - 0.5)^2 + (y - 0.5)^2)/0.09), a = near*(1 + x*y), b = near*(y - 2*x*x), u = cos(3*x) + x*y*y, cx = near > 0;
+Wh near = max(0., 1 - ((x - 0.5)^2 + (y - 0.5)^2)/0.09), a = near*(1 + x*y), b = near*(y - 2*x*x), u = cos(3*x) + x*y*y,
+    cx = near > 0;
 int[int] list(0);
 arrayPick(cx[], list);
 slopeList(list);

@@ -99,9 +99,9 @@ def test_disks_in_disguise(cell, freefem_text, tmp_path):
 
 
 def test_rest_and_budget(cell, freefem_text, tmp_path):
-    """A square and a capsule that stand on the floor, farther than two elements from other walls, stay there (beside a wall the film
-    leaves 1e-7 m/s in the first steps); their corners carry their weights less the buoyancy. Another pair falls on the floor: momentum
-    that walls and weight do not explain stays a small part of the weight's."""
+    """A square and a capsule that stand on the floor, farther than two elements from other walls, stay there (beside a wall the
+    film leaves 1e-7 m/s in the first steps); their corners carry their weights less the buoyancy. Another pair falls on the floor:
+    momentum that walls and weight do not explain stays a small part of the weight's."""
     more = WORDS + "real[int] sx = [0.11, 0.29, 0.29, 0.11], sy = [0.01, 0.01, 0.19, 0.19];"
     bodies = "bodyPolygon(sx, sy, 0.01, 2); bodyCapsule(0.66, 0.09, 0.12, 0.09, 0, 2);"
     freefem_text(case("{ " + bodies + " }", more=more), "-mesh", cell, "-dt", 0.02, "-tend", 0.6, "-budget", 1,

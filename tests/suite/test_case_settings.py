@@ -141,7 +141,8 @@ def test_a_macro_that_nobody_asks_for_is_told(more, told, freefem_text, tmp_path
     assert re.findall(r"warning: the macro (\w+) is used nowhere", done.stdout) == [told] * (told is not None)
 
 
-@pytest.mark.parametrize("more, name", [("real flowForceX = 5;", "flowForceX"), ("real push = 2,\n    flowForceY = push;", "flowForceY"),
+@pytest.mark.parametrize("more, name", [("real flowForceX = 5;", "flowForceX"),
+    ("real push = 2,\n    flowForceY = push;", "flowForceY"),
     ("int[int] flowPeriodicLabels = [labelLeft, labelRight];", "flowPeriodicLabels"), ("func real boundaryU(real s) { return 1; }",
         "boundaryU"), ("func boundaryU = 4*y*(1 - y);", "boundaryU"), ("func int caseStep() { return 1; }", "caseStep"),
     ("real flowForceX = 5;\nmacro flowForceX() 1. // EOM", None), ("real push = max(0., 1.); // real flowForceX = 5;", None),

@@ -33,7 +33,8 @@ def faults(mesh, outline, tolerance=1e-9, least_angle=LEAST_ANGLE):
     over = folded(mesh.triangles)
     if len(over):
         x, y = mesh.points[mesh.triangles[over[0]]].mean(axis=0)
-        found.append(f"triangles lie on each other, one of them at ({x:g}, {y:g}): a vertex is misplaced, or a triangle stands twice")
+        found.append(f"triangles lie on each other, one of them at ({x:g}, {y:g}): a vertex is misplaced, or a triangle stands "
+            "twice")
     elif count.max() > 2:
         found.append("an edge belongs to more than two triangles")
     boundary = np.unique(np.sort(edges[count == 1], axis=1), axis=0)

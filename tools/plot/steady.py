@@ -3,8 +3,9 @@
     python -m tools.plot_steady results/pipe_flow/run_001
 
 Reads fields.vtu, mesh.mesh, wall.csv and zones.csv of a run of scripts/steady.edp, or fields.vtu
-and mesh.mesh of one of scripts/steady_laminar.edp with -fields 1, and writes PNGs into the run folder (or --out FOLDER). Pressures are gauge ones, above the outlet's
-(results.csv holds absolute ones). Exit status 3 when they are not there.
+and mesh.mesh of one of scripts/steady_laminar.edp with -fields 1, and writes PNGs into the run
+folder (or --out FOLDER). Pressures are gauge ones, above the outlet's (results.csv holds absolute
+ones). Exit status 3 when they are not there.
 """
 from pathlib import Path
 
