@@ -155,8 +155,8 @@ def test_a_line_of_help_is_read():
 def test_commands_in_a_header_are_code():
     assert headers.prose("with -model k-epsilon (python -m tools.peers.with_openfoam step), -retau 500 to 10000, --size 0.1 and -forces") == \
         "with `-model k-epsilon` (`python -m tools.peers.with_openfoam step`), `-retau 500` to 10000, `--size 0.1` and `-forces`"
-    assert headers.prose("python -m tools.plot RUN --plane y=0.5 of a run with -contact-tol 3e-4 and -contact-solver accelerated") == \
-        "`python -m tools.plot RUN --plane y=0.5` of a run with `-contact-tol 3e-4` and `-contact-solver accelerated`"
+    assert headers.prose("python -m tools.plot RUN --plane y=0.5 with -contact-tol 3e-4 and -contact-solver accelerated") == \
+        "`python -m tools.plot RUN --plane y=0.5` with `-contact-tol 3e-4` and `-contact-solver accelerated`"
 
 
 def saved(page):
