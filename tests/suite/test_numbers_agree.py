@@ -44,19 +44,25 @@ def overview():
     return found
 
 
+def first_page():
+    """(page, error) for each row of the table of README.md that names a page."""
+    rows = re.findall(r"^\| \[[^\]]*\]\((docs/[\w/]+\.md)\)[^|]*\|([^|]*\|[^|]*)\|", (ROOT / "README.md").read_text(), flags=re.M)
+    return [(page, cells.split("|")[1]) for page, cells in rows if re.search(r"\d", cells)]
+
+
 def of_cases():
     """(page, error) for each case of docs/gallery/cases.csv with a page of validation."""
     with open(ROOT / "docs/gallery/cases.csv", newline="") as file:
         return [(f"docs/validation/{row['page']}.md", row["error"]) for row in csv.DictReader(file) if row["page"] and row["error"]]
 
 
-@pytest.mark.parametrize("page, cell", overview() + of_cases())
+@pytest.mark.parametrize("page, cell", first_page() + overview() + of_cases())
 def test_the_numbers_of_an_overview_are_on_the_page_it_names(page, cell):
     assert missing(cell, (ROOT / page).read_text()) == []
 
 
 def test_an_overview_has_rows():
-    assert len(overview()) > 35 and len(of_cases()) > 25
+    assert len(first_page()) >= 7 and len(overview()) > 35 and len(of_cases()) > 25
 
 
 def test_a_number_that_the_page_does_not_have_is_found():
