@@ -144,6 +144,13 @@ def test_every_driver_is_in_the_reference():
     assert set(options.DRIVERS) == {path.name for path in (ROOT / "scripts").glob("*.edp")}
 
 
+def test_every_tool_is_in_the_reference():
+    tools = {path.stem for path in (ROOT / "tools").glob("*.py") if "__main__" in path.read_text()}
+    tools |= {path.parent.name for path in (ROOT / "tools").glob("*/__main__.py")}
+    named = set(re.findall(r"python -m tools\.(\w+)", read("docs/reference/tools.md")))
+    assert len(tools) > 25 and tools - named == set()
+
+
 def test_a_line_of_help_is_read():
     text = "  -dt 0.001 s                       time step\n  -out                              folder (default: x)\n  -mu 0.1 g/(cm s)                  viscosity\n  -help                             this list\n"
     text += "  -start at once        inflow (at once|sine)\n"
