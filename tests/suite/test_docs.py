@@ -144,6 +144,13 @@ def test_every_driver_is_in_the_reference():
     assert set(options.DRIVERS) == {path.name for path in (ROOT / "scripts").glob("*.edp")}
 
 
+def test_every_tool_is_in_the_reference():
+    tools = {path.stem for path in (ROOT / "tools").glob("*.py") if "__main__" in path.read_text()}
+    tools |= {path.parent.name for path in (ROOT / "tools").glob("*/__main__.py")}
+    named = set(re.findall(r"python -m tools\.(\w+)", read("docs/reference/tools.md")))
+    assert len(tools) > 25 and tools - named == set()
+
+
 def test_a_line_of_help_is_read():
     text = "  -dt 0.001 s                       time step\n  -out                              folder (default: x)\n  -mu 0.1 g/(cm s)                  viscosity\n  -help                             this list\n"
     text += "  -start at once        inflow (at once|sine)\n"
@@ -155,6 +162,8 @@ def test_a_line_of_help_is_read():
 def test_commands_in_a_header_are_code():
     assert headers.prose("with -model k-epsilon (python -m tools.peers.with_openfoam step), -retau 500 to 10000, --size 0.1 and -forces") == \
         "with `-model k-epsilon` (`python -m tools.peers.with_openfoam step`), `-retau 500` to 10000, `--size 0.1` and `-forces`"
+    assert headers.prose("python -m tools.plot RUN --plane y=0.5 with -contact-tol 3e-4 and -contact-solver accelerated") == \
+        "`python -m tools.plot RUN --plane y=0.5` with `-contact-tol 3e-4` and `-contact-solver accelerated`"
 
 
 def saved(page):

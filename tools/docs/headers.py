@@ -6,10 +6,12 @@ from tools.base.command import ROOT
 # What is code within a sentence of a header: a command, the name of a file, an option with its value.
 CODE = re.compile(
     r"(?P<command>python -m tools\.[\w.]+"
-        r"(?: (?:RUN\b|--?[a-z][\w-]*(?: -?[\d.]+\w*| [\w.]+\.mesh| alternating\b| named\b)?|[a-z]+_[a-z]+|(?:own|step|box)\b))*"
+        r"(?: (?:RUN\b|--?[a-z][\w-]*(?:(?: -?\d[\d.]*\w*)+| [\w.]+\.mesh| [xyz]=\d[\d.]*| (?:alternating|named|chains)\b)?|[a-z]+_[a-z]+"
+        r"|(?:own|step|box|suspension|heap|cylinder)\b))*"
         r"|make validate\s+CASE=\w+|make run\b)"
     r"|(?P<file>(?<![\w/])(?:[\w.]+/)*\w[\w.]*\.(?:edp|idp|py|csv|mesh|geo|json|vtu|pvd|md)\b)"
-    r"|(?P<option>(?<![\w-])--?[a-z][\w-]+(?: -?\d(?:[\w.]*\w)?| (?:k-epsilon|kato-launder|laminar|published|all)\b)?)")
+    r"|(?P<option>(?<![\w-])--?[a-z][\w-]+(?: -?\d(?:[\w.]*\w)?(?:(?<=\de)-\d+)?"
+        r"| (?:k-epsilon|kato-launder|laminar|published|all|accelerated|body|face)\b)?)")
 
 
 def header(path):
