@@ -9,7 +9,7 @@ from tools.plot.style import PAGE_WIDTH, curve, plt, save
 from tools.validation import Failed
 
 CASE, SOURCE = "cases/orifice_plate.edp", "ISO 5167-2:2003, equation (4)"
-POINTS = ((0.5, 1e5), (0.7, 1e5), (0.6, 1e6))  # opening, Reynolds number
+POINTS = ((0.3, 1e5), (0.5, 1e5), (0.7, 1e5), (0.6, 1e6))  # opening, Reynolds number
 DISCHARGE, LOSS = 0.02, 0.03  # relative; of the pressure drop
 
 
