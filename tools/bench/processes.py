@@ -48,7 +48,7 @@ COUNTERS = (
     ("lib/core/parts_mpi.idp", "func int partTriple(real[int] & s) {", " benchCount[1] += 3;"),
     ("lib/core/parts_mpi.idp", "func int partVertices(real[int] & p) {", " benchCount[2] += 1;"),
     ("lib/flow/parts_mpi.idp", "func int partPair(real[int] & s) {", " benchCount[1] += 2;"),
-    ("lib/flow/parts_mpi.idp", "func int partBeside(real[int] & s, int all) {", " benchCount[1] += all ? 2. : 2./partLayers;"),
+    ("lib/flow/parts_mpi.idp", "macro partBeside(s, all) ", "benchCount[1] += all ? 0. : 2./partLayers; "),
     ("lib/flow/parts_mpi.idp", "partGatherQ(r, right);", " benchCount[5] += 1; benchCount[6] -= mpiWtime();"),
     ("lib/flow/parts_mpi.idp", "all = A^-1*right;", " benchCount[6] += mpiWtime();"),
     ("lib/spheres/pressure_step.idp", "partGatherQ(r, right);", " benchCount[5] += 1; benchCount[6] -= mpiWtime();"),
