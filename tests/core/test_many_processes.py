@@ -229,3 +229,38 @@ def test_a_full_disk_of_process_0_ends_all(tmp_path):
     _, errors = run.communicate(timeout=60)
     lines = [line for line in errors.splitlines() if line.startswith("error: ")]
     assert run.returncode == 4 and len(lines) == 1 and "cannot write" in lines[0], errors
+
+
+def parent(pid):
+    """The parent of a process that runs; else 0."""
+    try:
+        state, number = open(f"/proc/{pid}/stat").read().rsplit(")", 1)[1].split()[:2]
+    except (FileNotFoundError, ProcessLookupError):
+        return 0
+    return 0 if state == "Z" else int(number)
+
+
+@pytest.mark.parametrize("way", ["ff-mpirun", "tools.run"])
+def test_a_signal_to_what_was_started_ends_all(tmp_path, way):
+    """ff-mpirun, a script, ended alone, and its processes went on to the end of the run."""
+    if why_not():
+        pytest.skip(why_not())
+    folder = tmp_path / "run"
+    start = [launcher(), "-np", "2"] if way == "ff-mpirun" else [sys.executable, "-m", "tools.run", "-n", "2"]
+    with open(tmp_path / "said", "w") as said:
+        run = subprocess.Popen([*start, "cases/template.edp", "-tend", "1000", "-every", "0", "-out", str(folder)], cwd=ROOT,
+            env=os.environ | MPI_ENVIRONMENT, stdout=said, stderr=said)
+    limit = time.time() + LIMIT
+    while not (folder / "fluid.csv").exists() or len((folder / "fluid.csv").read_text().splitlines()) < 3:
+        assert run.poll() is None and time.time() < limit
+        time.sleep(0.05)
+    first = int(re.search(r'"pid": (\d+)', (folder / "run.json").read_text()).group(1))
+    own = [int(pid) for pid in os.listdir("/proc") if pid.isdigit() and parent(pid) == parent(first)]
+    assert len(own) == 2 and first in own
+    run.terminate()
+    assert run.wait(timeout=30) != 0
+    while any(map(parent, own)):
+        assert time.time() < limit
+        time.sleep(0.1)
+    time.sleep(0.5)
+    assert '"status": "killed (signal 15' in (folder / "run.json").read_text(), (tmp_path / "said").read_text()

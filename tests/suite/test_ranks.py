@@ -11,9 +11,8 @@ LOCAL = {"rigidCount", "rigidCandidates", "rigidNode", "cutN", "gapN", "gapCut",
     "solidN", "solidNode", "solidOwner", "solidNearNode", "ghostN", "ghostNode", "ghostOwner", "ghostHit", "fluxN", "fluxNear",
     "fluxNode", "leavingN", "schurEdge", "schurNumber", "partGiven", "partNeeds"}
 COLLECTIVE = {"ranksSum", "ranksMax", "ranksMin", "ranksSums", "ranksTops", "ranksDot", "ranksReport", "partPass", "partNodes",
-    "partPair", "partVertices", "partDotW", "partDotQ", "partSumQ", "partSolve", "partGatherW", "partGatherQ", "partPoints",
-    "rigidSums", "rigidAdd", "rigidTotal", "partTriple", "partGather", "solidSums", "solidAdd", "ghostLook", "poissonSolve",
-    "ranksJoin",
+    "partPair", "partBeside", "partVertices", "partDotW", "partDotQ", "partSumQ", "partSolve", "partGatherW", "partGatherQ",
+    "partPoints", "rigidSums", "rigidAdd", "rigidTotal", "partTriple", "partGather", "solidSums", "solidAdd", "ghostLook", "poissonSolve", "ranksJoin",
     "pressureApply", "schurSolve", "schurSum"}
 # Functions that compare the size of a list of a part with more than 0: both branches give the same values at the nodes of the part.
 BOTH_WAYS = {"rigidFindHere": "rigidSeenX", "ghostForce": "rowsShare", "gapLocate": "rowsShare", "pressureCarryHere": "rowsShare",

@@ -8,7 +8,7 @@ import time
 import pytest
 
 from tests.conftest import FREEFEM, ROOT
-from tools.compile_errors.run import ELSEWHERE
+from tools.base.ranks import ELSEWHERE
 
 TEMPLATE = (ROOT / "cases/template.edp").read_text()
 

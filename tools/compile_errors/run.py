@@ -35,13 +35,12 @@ import time
 from pathlib import Path
 
 from tools.base.command import ROOT, BadInput, Ended, Parser
-from tools.base.ranks import MPI_ENVIRONMENT, launcher
+from tools.base.ranks import ELSEWHERE, MPI_ENVIRONMENT, launcher
 from tools.base.runner import freefem
 
 COMPILE_LIMIT = 120  # s
 GRACE = 3  # s, from a signal to SIGKILL
 CROWD = 16  # processes on a core: more would only stop the machine
-ELSEWHERE = "SLURM_JOB_ID", "PBS_NODEFILE", "PBS_JOBID", "LSB_HOSTS", "LSB_JOBID", "JOB_ID", "OMPI_MCA_orte_default_hostfile"
 
 
 def main():
