@@ -92,7 +92,10 @@ class RunFolder(Arrays):
 
     def parameter(self, name, standard):
         """An option of the run that is a number, `standard` where run.json does not name it."""
-        given = (self.info.get("parameters") or {}).get(name, standard)
+        there = self.info.get("parameters") or {}
+        if name not in there and standard is None:
+            return None
+        given = there.get(name, standard)
         try:
             return float(given)
         except (TypeError, ValueError):
@@ -261,6 +264,8 @@ class RunFolder(Arrays):
     def results(self):
         """results.csv of a steady flow as {quantity: value}."""
         path = self.folder / "results.csv"
+        if not path.is_file():
+            raise BadInput(f"the run {self.folder} has no results.csv; steady flows write it")
         try:
             text = path.read_text(encoding="utf-8")
             if not text.endswith("\n"):
