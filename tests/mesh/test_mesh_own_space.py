@@ -78,6 +78,8 @@ def test_a_script_with_volumes_is_meshed_and_run(starter, freefem_text, tmp_path
     freefem_text(CASE.format(mesh=tmp_path / "my.mesh"), "-out", tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     assert run.status == "finished" and run.particles["x"][-1] > 1.5 and run.particles["z"][-1] < 0.5
+    assert run.sides == {label: name for name, label in names.items() if label > 20}
+    assert (tmp_path / "run/exits.csv").read_text() == "t,id,x,y,z,u,v,w,radius,density,label,name\n"
 
 
 def test_size_scale_and_proportional(starter, tmp_path):
