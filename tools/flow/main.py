@@ -8,7 +8,8 @@ FILE is
   - a .vtu, .pvtu or .vtk of plane cells, or of 3-D cells one cell deep (ParaView, foamToVTK, this project); several, one for each
     of --times; or a .pvd, which lists them with their times
   - a .csv with the columns x, y, u, v and perhaps k, epsilon (names of Fluent and ParaView are known too): a cloud of
-    points, which is interpolated on the mesh of --mesh; several, one for each of --times
+    points, which is interpolated on the mesh of --mesh; several, one for each of --times. In a plane across y or x its columns
+    are x, z, u, w or y, z, v, w
 
 Boundaries are named as in every mesh of the project: inlet, outlet, wall, diaphragm, obstacle, cylinder, lid, axis, left,
 right, bottom, top. Patches of OpenFOAM keep such a name, other walls become wall; --label names the rest:
