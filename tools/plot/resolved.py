@@ -251,6 +251,5 @@ def main(words=None):
         alone = "python -m tools.plot_transport draws the flow" if run.has("steps") else "the run wrote no velocity, see -fields"
         print(f"{name}: {path}" + (f" (particles only: {alone})" if bare else ""), flush=True)
     if not made:
-        told = "; its numbers stand in results.csv" if run.has("results") else ""
-        raise BadInput(f"nothing in {run.folder} can be drawn{told}")
+        raise BadInput(f"nothing in {run.folder} can be drawn")
     return 0
