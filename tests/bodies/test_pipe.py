@@ -200,5 +200,6 @@ def test_every_case_runs_a_few_steps(name, tmp_path):
     mesh = ["-mesh", make_mesh(tmp_path / "coarser.mesh", name, *COARSER[name])] if name in COARSER else []
     run = run_freefem(f"cases/{name}.edp", *CASES[name], *mesh, "-out", tmp_path / "run", timeout=600)
     assert "results in" in run.stdout and "is used nowhere" not in run.stdout
+    assert "No such file" not in run.stdout + run.stderr  # of a command of the shell
     lines, imports = judged(name, name)  # the test that tools.new writes for a case like this one
     exec(imports + textwrap.dedent(lines), {"run": RunFolder(tmp_path / "run")})
