@@ -25,7 +25,10 @@ def groups(pairs, n):
 
 def boundary(polygons):
     """The edges (k, 2) of polygons that are edges of one alone."""
-    edges = np.concatenate([np.column_stack([one, np.roll(one, -1)]) for one in polygons])
+    corners, ends = np.concatenate(polygons), np.cumsum([len(one) for one in polygons])
+    after = np.arange(1, len(corners) + 1)
+    after[ends - 1] = np.append(0, ends[:-1])  # behind the last corner of each the first one
+    edges = np.column_stack([corners, corners[after]])
     _, first, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
     return edges[first[count == 1]]
 
