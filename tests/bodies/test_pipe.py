@@ -1,5 +1,6 @@
 """The main case, short: particles in the pipe with obstacles, on a coarse mesh."""
 import json
+import textwrap
 
 import numpy as np
 import pytest
@@ -7,6 +8,7 @@ import pytest
 from tests.conftest import make_mesh, run_freefem
 from tests.tables import distances_to_segments
 from tools.base.run_folder import RunFolder
+from tools.new import judged
 
 CASE = "cases/pipe_obstacles.edp"
 SHORT = ["-tend", "0.5", "-number", "12", "-first", "0", "-ramp", "0.05", "-every", "0.005"]
@@ -198,3 +200,6 @@ def test_every_case_runs_a_few_steps(name, tmp_path):
     mesh = ["-mesh", make_mesh(tmp_path / "coarser.mesh", name, *COARSER[name])] if name in COARSER else []
     run = run_freefem(f"cases/{name}.edp", *CASES[name], *mesh, "-out", tmp_path / "run", timeout=600)
     assert "results in" in run.stdout and "is used nowhere" not in run.stdout
+    assert "No such file" not in run.stdout + run.stderr  # of a command of the shell
+    lines, imports = judged(name, name)  # the test that tools.new writes for a case like this one
+    exec(imports + textwrap.dedent(lines), {"run": RunFolder(tmp_path / "run")})

@@ -58,3 +58,18 @@ def test_tetrahedra_that_lie_on_each_other_are_refused(freefem_text, tmp_path):
         space_mesh.write(space_mesh.SpaceMesh(points, tetrahedra, one.triangles, one.labels), tmp_path / "one.mesh")
         done = freefem_text(f'include "lib/spheres/read_mesh.idp"\nmesh3 Th = spaceRead("{tmp_path}/one.mesh");', check=False)
         assert done.returncode == status and ("lie on each other" in done.stderr) == (status == 3), done.stderr
+
+
+def test_pieces_that_share_no_side_are_refused(freefem_text, tmp_path):
+    """The run ended with a wrong pressure solver."""
+    one = make(parser().parse_args(["sphere_array", "--size", "0.25", "--out", "unused.mesh"]))[0]
+    n, edge = len(one.points), np.array([np.ptp(one.points[:, 0]), np.ptp(one.points[:, 1]), 0])
+    two = space_mesh.SpaceMesh(np.concatenate([one.points, one.points + edge]),
+        np.concatenate([one.tetrahedra, one.tetrahedra + n]), np.concatenate([one.triangles, one.triangles + n]),
+        np.tile(one.labels, 2))
+    assert "2 pieces" in space_mesh.faults(two)[0]
+    space_mesh.write(two, tmp_path / "two.mesh")
+    for name, words in (("two.mesh", "is in pieces that share no side"), ("two.msh", "is one of gmsh; convert it")):
+        (tmp_path / "two.msh").write_text("$MeshFormat\n")
+        done = freefem_text(f'include "lib/spheres/read_mesh.idp"\nmesh3 Th = spaceRead("{tmp_path}/{name}");', check=False)
+        assert done.returncode == 3 and words in done.stderr, done.stderr

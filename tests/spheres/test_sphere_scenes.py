@@ -3,6 +3,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import make_mesh
+from tools.base.run_folder import RunFolder
 from tools.base.tables import read_table
 
 SCENE = """
@@ -41,6 +42,8 @@ def test_waiting_spheres_enter_when_due_and_when_there_is_room(box, freefem_text
     rows = read_table(run / "particles.csv")
     first = {int(k): rows["t"][rows["id"] == k].min() for k in np.unique(rows["id"])}
     assert set(first) == {0, 1, 2, 3} and first[2] == pytest.approx(0.02) and 0.045 < first[3] < 0.09
+    came = read_table(run / "entries.csv")
+    assert came["id"].tolist() == [0, 1, 2, 3] and came["t"].tolist() == [0, 0, first[2], first[3]]
     t = rows["t"] == first[3]
     falling, entered = (rows["id"] == 0) & t, (rows["id"] == 3) & t
     assert rows["z"][entered][0] - rows["z"][falling][0] > 2.05 * 0.0075 * (1 - 1e-3)
@@ -196,6 +199,10 @@ def test_spheres_keep_their_numbers_when_one_leaves_by_an_outlet_within_the_box(
     assert "places -1 0 -1" in done.stdout and "moved sphere 2 has left the mesh" in done.stdout + done.stderr
     gone, rows = read_table(tmp_path / "run/exits.csv"), read_table(tmp_path / "run/particles.csv")
     assert gone["id"].tolist() == [0, 2] and gone["label"][0] == 2 and 0.4 < gone["z"][0] < 0.7
+    run = RunFolder(tmp_path / "run")
+    came = run.table("entries")
+    assert came["id"].tolist() == [0, 1, 2] and came["free"].tolist() == [1, 0, 0] and not came["t"].any() and run.held == {1, 2}
+    assert run.fluid["particles"][0] == 1 and run.fluid["particles"][-1] == 0  # held ones do not count
     first, second = rows["id"] == 1, rows["id"] == 2
     assert rows["w"][first][1:] == pytest.approx(rows["t"][first][1:] - 0.025, abs=1e-9) and not rows["v"][first].any()
     assert not rows["w"][second].any() and rows["y"][second][-1] < 1

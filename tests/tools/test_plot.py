@@ -260,6 +260,18 @@ def test_a_run_that_failed_is_drawn_as_one(run, tmp_path, capsys):
         plot.main([str(copy)])
 
 
+def test_a_steady_flow_is_sent_to_its_own_tool(tmp_path, capsys):
+    """One without fields had five lines of what was left out first."""
+    (tmp_path / "run.json").write_text('{"case": "cylinder_steady", "status": "finished"}')
+    (tmp_path / "results.csv").write_text("quantity,value,unit\ndrag_coefficient,5.57,\n")
+    with pytest.raises(BadInput, match="its numbers stand in results.csv, and -fields 1 writes"):
+        plot.main([str(tmp_path)])
+    (tmp_path / "fields.vtu").write_text("")
+    with pytest.raises(BadInput, match="is a steady flow; python -m tools.plot_steady draws it"):
+        plot.main([str(tmp_path)])
+    assert capsys.readouterr().out == ""
+
+
 @pytest.mark.parametrize("extent", [(0, 0, 1, 1), (-250, -250, 100, 100), (1000, -500, 1, 1), (0, 0, 4, 1), (-1e-4, 0, 2e-4, 5e-4),
     (-2, 0, 1, 8), (0, 0, 1, 3), (1000, 0, 1, 3)])
 def test_labels_of_ticks_stay_apart_and_in_the_picture(extent, tmp_path):

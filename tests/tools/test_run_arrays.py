@@ -102,3 +102,14 @@ def test_what_a_folder_holds_is_said_in_lines(fallen):
         assert line in said, said
     done = run_tool("run_folder", fallen.parent)
     assert done.returncode == 3 and "is not a run folder" in done.stderr
+
+
+def test_what_a_run_does_not_have_is_told(fallen):
+    """A field beyond the last one was a bare IndexError, an option of another case "must be a number, not null"."""
+    run = RunFolder(fallen)
+    for read, words in ((lambda: run.field(3), "has 3 field files, 0 to 2; there is no 3"),
+        (lambda: run.grid(-4), "there is no -4"), (lambda: run.results, "has no results.csv; steady flows write it"),
+        (lambda: run.parameter("-scheme", 0), "must be a number")):
+        with pytest.raises(BadInput, match=words):
+            read()
+    assert run.parameter("-nothing", None) is None and run.parameter("-nothing", 2) == 2 and run.parameter("-tend", None) == 0.01

@@ -58,7 +58,7 @@ def test_the_summary_of_a_steady_flow_has_its_numbers(tmp_path):
     (tmp_path / "run.json").write_text('{"case": "one", "status": "finished"}')
     (tmp_path / "results.csv").write_text("quantity,value,unit\ndrag_coefficient,5.5795,\npressure_difference,0.1174,Pa\n")
     assert "results.csv: drag_coefficient 5.5795, pressure_difference 0.1174 Pa" in list(lines_of(RunFolder(tmp_path)))
-    assert run_tool("plot", tmp_path).stderr.endswith("can be drawn; its numbers stand in results.csv\n")
+    assert "is a steady flow; its numbers stand in results.csv" in run_tool("plot", tmp_path).stderr
 
 
 def test_a_row_cut_short_is_named(tmp_path):
@@ -184,3 +184,11 @@ def test_a_run_whose_process_is_gone_is_told_of(tmp_path, capsys):
         (tmp_path / "run.json").write_text(json.dumps({"status": "running", "pid": number}))
         RunFolder(tmp_path).warn_unfinished()
         assert words in capsys.readouterr().err
+
+
+def test_an_inlet_that_the_case_makes_a_wall_is_drawn_as_one(tmp_path):
+    """Sides called inlet and outlet were open where a run had no open side at all."""
+    for info, sides in (({}, (1, 2)), ({"labels": {"no slip": [1, 3], "outlet": []}}, ()), ({"labels": {"wall": [1]}}, ()),
+        ({"labels": {"no slip": [3]}, "open": [1, 21]}, (1, 21))):
+        (tmp_path / "run.json").write_text(json.dumps(info))
+        assert RunFolder(tmp_path).open == sides

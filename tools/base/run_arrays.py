@@ -86,6 +86,9 @@ class Arrays:
     def field_file(self, k=-1):
         """The path of the k-th field file; of a steady flow, and of point particles in a steady flow, there is one, without a time.
         Raises BadInput where there is none."""
+        number = max(len(self.fields), 1)
+        if not -number <= k < number:
+            raise BadInput(f"the run {self.folder} has {number} field files, 0 to {number - 1}; there is no {k}")
         if self.fields:
             return self.fields[k][1]
         for name in ("fields.vtu", "fields_0000000.vtu"):

@@ -39,7 +39,7 @@ NEEDED = {"particles": "t id x y theta radius", "fluid": "t", "contacts": "t i j
           "wall": "x side shear pressure", "zones": "side separation reattachment"}  # columns without which a table says nothing
 IN_SPACE = {"particles": "t id x y z radius"}  # those of a run in three dimensions
 KINDS = {"parameters": (dict, "an object in braces"), "units": (dict, "an object in braces"),
-    "base_units": (dict, "an object in braces"), "sides": (dict, "an object in braces"),
+    "base_units": (dict, "an object in braces"), "labels": (dict, "an object in braces"), "sides": (dict, "an object in braces"),
     "period": (list, "two or three numbers in brackets"),
     "low": (list, "two or three numbers in brackets"), "open": (list, "labels in brackets")}
 
@@ -92,7 +92,10 @@ class RunFolder(Arrays):
 
     def parameter(self, name, standard):
         """An option of the run that is a number, `standard` where run.json does not name it."""
-        given = (self.info.get("parameters") or {}).get(name, standard)
+        there = self.info.get("parameters") or {}
+        if name not in there and standard is None:
+            return None
+        given = there.get(name, standard)
         try:
             return float(given)
         except (TypeError, ValueError):
@@ -172,8 +175,10 @@ class RunFolder(Arrays):
 
     @cached_property
     def open(self):
-        """Labels of the sides that are no walls: inlets, outlets, seams of a period."""
-        return tuple(self.info.get("open") or OPEN)
+        """Labels of the sides that are no walls: inlets, outlets, seams of a period. A run that says which of its sides are walls
+        (run.json: labels), and of none that it is open, has none."""
+        told = {"no slip", "wall"}.intersection(self.info.get("labels") or {})
+        return tuple(self.info.get("open") or (() if told else OPEN))
 
     @cached_property
     def sides(self):
@@ -261,6 +266,8 @@ class RunFolder(Arrays):
     def results(self):
         """results.csv of a steady flow as {quantity: value}."""
         path = self.folder / "results.csv"
+        if not path.is_file():
+            raise BadInput(f"the run {self.folder} has no results.csv; steady flows write it")
         try:
             text = path.read_text(encoding="utf-8")
             if not text.endswith("\n"):

@@ -3,7 +3,7 @@
 Reads the medit form (.mesh, Dimension 3) with boundary labels, and .vtu files of savevtk. Errors: BadInput naming the file.
 """
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -16,11 +16,13 @@ EDGES = np.array([[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]])  # of a tetra
 
 @dataclass
 class SpaceMesh:
-    """points (n, 3) in the case's length unit, tetrahedra (m, 4), triangles (k, 3) of the boundary with labels (k,)."""
+    """points (n, 3) in the case's length unit, tetrahedra (m, 4), triangles (k, 3) of the boundary with labels (k,); names
+    {label: name} of sides with names of one's own."""
     points: np.ndarray
     tetrahedra: np.ndarray
     triangles: np.ndarray
     labels: np.ndarray
+    names: dict = field(default_factory=dict)
 
 
 def dimension_of(path):

@@ -58,6 +58,7 @@ TABLES = [
     Table("fluid.csv", "`spheres.edp`", SPHERES, (SPHERES, "step, t, dt (s), iterations", "Exit codes")),
     Table("forces.csv", "`spheres.edp` with `-forces 1`", "lib/spheres/sphere_forces.idp", ("lib/spheres/sphere_forces.idp",
         "t (s), id, fx, fy, fz (N)", "forcesFind")),
+    Table("entries.csv", "`spheres.edp`", "lib/spheres/enter.idp", ("lib/spheres/enter.idp", "t, s; id", "enterWrite")),
     Table("exits.csv", "`spheres.edp`", "lib/spheres/leave.idp", ("lib/spheres/leave.idp", "t, s; id", "leaveFind")),
     Table("budget.csv", "`spheres.edp` with `-budget 1`", "lib/spheres/sphere_budget.idp", ("lib/spheres/sphere_budget.idp",
         "t, momentum (3, N s)", "balanceTouch")),

@@ -13,7 +13,7 @@ from scipy.spatial import Delaunay, QhullError, cKDTree
 from tools.base.command import BadInput
 from tools.base.mesh_files import read_mesh
 from tools.base.tables import read_table
-from tools.flow.given import PLACE, Given, named, plain, require_si, unused
+from tools.flow.given import PLACES, Given, named, plain, require_si, unused
 from tools.flow.values import nearest
 from tools.meshing import own
 from tools.meshing.plane_mesh import PlaneMesh, oriented
@@ -23,7 +23,7 @@ OUTSIDE_MOST = 0.5  # share of the vertices that may lie outside the points
 INSIDE_LEAST = 10  # points in the box around the mesh, or a tenth of all where that is less; fewer tell nothing of its flow
 SAME = 1e-9  # of the extent of the points: closer ones are one
 APART = 0.01  # of the largest value of a column: by more the values of one point contradict each other
-ACROSS = ("z",), ("z-coordinate",), ("points:2",), ("points_2",)
+FLAT = 1e-6  # of the extent of the points: below it a direction has none
 
 
 def mesh_from(path):
@@ -56,14 +56,24 @@ def single(points, values, names, file):
     return points[keep], values[keep]
 
 
-def require_plane(low, points, file):
-    """Raises BadInput where a table of points has places across that are none of a plane, or of planes with the same points."""
-    for (name,) in ACROSS:
-        if name in low and np.ptp(low[name]) > 1e-6 * np.ptp(points, axis=0).max(initial=0):
-            rounded = np.round(points / (SAME * np.ptp(points, axis=0).max(initial=0) + 1e-300))
+def places(low, file):
+    """(names of the two places in the plane, its axes) among columns {name in lower case: values}: across it, places do not vary,
+    or the points of several planes are the same. Raises BadInput."""
+    found = next((names for names in PLACES if sum(name in low for name in names) > 1), None)
+    if not found:
+        raise BadInput(f"{file} lacks the columns x and y; it has {', '.join(low)}")
+    there = [axis for axis in range(3) if found[axis] in low]
+    if len(there) == 3:
+        extent = [np.ptp(low[name]) for name in found]
+        across = next((axis for axis in (2, 1, 0) if extent[axis] <= FLAT * max(extent)), 2)
+        there.remove(across)
+        if extent[across] > FLAT * max(extent):
+            points = np.column_stack([low[found[axis]] for axis in there])
+            rounded = np.round(points / (SAME * np.ptp(points, axis=0).max() + 1e-300))
             if len(np.unique(rounded, axis=0)) > 0.5 * len(points):
-                raise BadInput(f"{file} is a 3-D flow: its points lie in no plane, {name} goes from {low[name].min():g} to "
-                    f"{low[name].max():g}; write a slice of it")
+                raise BadInput(f"{file} is a 3-D flow: its points lie in no plane, {found[across]} goes from "
+                    f"{low[found[across]].min():g} to {low[found[across]].max():g}; write a slice of it")
+    return [found[axis] for axis in there], there
 
 
 def require_there(points, mesh, file):
@@ -89,17 +99,16 @@ def read(files, velocity, mesh, scale):
         table = read_table(file, finite=True)
         require_si(table, scale != 1, str(file))
         low = {plain(name): values for name, values in table.items()}
-        places = next((pair for pair in PLACE if set(pair) <= set(low)), None)
-        if not places:
-            raise BadInput(f"{file} lacks the columns x and y; it has {', '.join(table)}")
-        points = scale * np.column_stack([low[name] for name in places])
-        rest = {name: values for name, values in table.items() if plain(name) not in places}
-        frame = named(rest, velocity, str(file))
+        if not len(next(iter(table.values()))):
+            raise BadInput(f"{file} has a header row and no others")
+        where, axes = places(low, file)
+        points = scale * np.column_stack([low[name] for name in where])
+        rest = {name: values for name, values in table.items() if plain(name) not in where}
+        frame = named(rest, velocity, str(file), axes)
         names, flow.unused = names or list(frame), unused(rest)
         if list(frame) != names:
             raise BadInput(f"{file} has {', '.join(frame)}, {files[0][1]} has {', '.join(names)}; all times need the same")
         values = np.stack([frame[name] for name in names], axis=1)
-        require_plane(low, points / scale, file)
         points, values = single(points, values, names, file)
         try:
             found = LinearNDInterpolator(Delaunay(points), values)(mesh.points)

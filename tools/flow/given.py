@@ -6,19 +6,28 @@ import numpy as np
 
 from tools.base.command import BadInput
 
-# Names of arrays and columns, in lower case and without units in brackets: of OpenFOAM, Fluent, ParaView and this project.
-PLACE = ("x", "y"), ("x-coordinate", "y-coordinate"), ("points:0", "points:1"), ("points_0", "points_1")
+# Names of arrays and columns, in lower case and without units in brackets: of OpenFOAM, Fluent, CFD-Post, STAR-CCM+, ParaView and
+# this project. Components come in threes, x, y and z.
+PLACES = ("x", "y", "z"), ("x-coordinate", "y-coordinate", "z-coordinate"), ("points:0", "points:1", "points:2"), ("points_0",
+    "points_1", "points_2")
 VECTORS = "u", "velocity", "vel"
-PAIRS = (("u", "v"), ("x-velocity", "y-velocity"), ("x_velocity", "y_velocity"), ("u:0", "u:1"), ("u_0", "u_1"), ("velocity:0",
-    "velocity:1"), ("velocity_0", "velocity_1"), ("ux", "uy"), ("vx", "vy"), ("velocity u", "velocity v"))
-THIRD = "w", "z-velocity", "z_velocity", "u:2", "u_2", "velocity:2", "velocity_2", "uz", "vz", "velocity w"
+JOINTS, FIRST = (":", "_", "-", ".", " "), ("-", "_", " ", "")  # between a velocity and its component, or before it
+SUFFIXES = {letters: [joint + "%s" for joint in JOINTS] + ["[%s]"] for letters in ("012", "xyz", "ijk")}
+COMPONENTS = (("u", "v", "w"), ("ux", "uy", "uz"), ("vx", "vy", "vz"),
+    *(tuple(f"{one}{joint}velocity" for one in "xyz") for joint in FIRST),
+    *(tuple(f"{name}{joint}{one}" for one in "uvw") for name in ("velocity", "vel") for joint in JOINTS),
+    *(tuple(name + form % one for one in letters) for name in (*VECTORS, "v") for letters, forms in SUFFIXES.items()
+        for form in forms))
 SCALARS = {"k": ("k", "turb-kinetic-energy", "turb_kinetic_energy", "turbulent_kinetic_energy", "turbulence kinetic energy", "tke"),
            "epsilon": ("epsilon", "turb-diss-rate", "turb_diss_rate", "turbulent_dissipation_rate", "turbulence eddy dissipation"),
            "omega": ("omega", "specific-diss-rate", "specific_diss_rate", "turbulence eddy frequency")}
-ROLES = {"length": {name for pair in PLACE for name in pair}, "velocity": {name for pair in PAIRS for name in pair} | {*THIRD},
-    **{name: {*known} for name, known in SCALARS.items()}}
-UNITS = {"length": ("m",), "velocity": ("m/s", "ms^-1", "ms-1"), "k": ("m^2/s^2", "m2/s2", "m^2s^-2", "J/kg", "Jkg^-1"),
-    "epsilon": ("m^2/s^3", "m2/s3", "m^2s^-3", "W/kg", "Wkg^-1"), "omega": ("1/s", "s^-1", "s-1")}  # in brackets behind a name
+ROLES = {"length": {name for some in PLACES for name in some},
+    "velocity": {*VECTORS} | {name for some in COMPONENTS for name in some}, **{name: {*known} for name, known in SCALARS.items()}}
+UNITS = {"length": ("m",), "velocity": ("m/s", "ms^-1", "ms-1"), "k": ("m^2/s^2", "m2/s2", "m^2s^-2", "m2s-2", "J/kg", "Jkg^-1"),
+    "epsilon": ("m^2/s^3", "m2/s3", "m^2s^-3", "m2s-3", "W/kg", "Wkg^-1"), "omega": ("1/s", "s^-1", "s-1")}  # behind a name
+# A unit is in brackets, unless these hold a component; in parentheses, where these hold a length or a quotient.
+UNIT = re.compile(r"\s*(?:\[(?![ijkxyz\d]\])([^]]*)\]|\(\s*((?:m|cm|mm|um|µm|nm|km|in|inch|ft)|[^)]*(?:/|-?\d)[^)]*)\s*\))\s*$",
+    re.IGNORECASE)
 CMU = 0.09  # epsilon = CMU k omega
 NEGATIVE_MOST = 0.01  # k or epsilon below 0, over its largest value: less is the rounding of another program, which becomes 0
 THIRD_MOST = 1e-3  # third component of the velocity over the largest of the others: above it a flow is not plane
@@ -47,12 +56,13 @@ class Given:
 
 def plain(name):
     """The name of an array as in the lists above."""
-    return re.sub(r"\s*\[[^]]*\]\s*$", "", name.lower())
+    return UNIT.sub("", name.lower())
 
 
 def unit_of(name):
-    """The unit in brackets behind a name, without blanks ("ms^-1"); "" where there is none."""
-    return "".join(re.findall(r"\[([^]]*)\]\s*$", name)).replace(" ", "")
+    """The unit behind a name, without blanks ("ms^-1"); "" where there is none."""
+    found = UNIT.search(name)
+    return "".join((found[1] or found[2] or "").split()) if found else ""
 
 
 def require_si(names, scaled, source):
@@ -73,27 +83,40 @@ def unused(*names):
     return [] if whole else sorted({kind for some in kinds for kind in some})
 
 
-def named(arrays, wanted, source):
+def components(names, axes):
+    """(first, second, third) among (names of x, y, z) of a plane along axes."""
+    return names[axes[0]], names[axes[1]], names[3 - sum(axes)]
+
+
+def named(arrays, wanted, source, axes=(0, 1)):
     """{"u", "v"[, "k", "epsilon"]: values} of the arrays {name: (n,) or (n, components)} of a file.
 
-    wanted: None, the name of a vector, or those of two components with a comma. Raises BadInput without velocities, for values that
-    are not finite, for k or epsilon below 0 and for a flow that is not plane.
+    wanted: None, the name of a vector, or those of two components with a comma; axes: of the plane, by which components of vectors
+    are in order already and those that have names of their own are chosen. Raises BadInput without velocities, for values that are
+    not finite, for units that are none of SI, for k or epsilon below 0 and for a flow that is not plane.
     """
     low = {plain(name): np.asarray(values, float) for name, values in arrays.items()}
     there = ", ".join(arrays) or "none"
-    names = [plain(name.strip()) for name in wanted.split(",")] if wanted else []
+    names = [name.strip() if name.strip() in arrays else plain(name.strip()) for name in wanted.split(",")] if wanted else []
+    low |= {name: np.asarray(arrays[name], float) for name in names if name in arrays}
     missing = [name for name in names if name not in low]
     if missing or len(names) > 2:
         raise BadInput(f"{source} has no velocity '{wanted}'; its arrays: {there}")
+    require_si([name for name in arrays if name in names or plain(name) in names] if names else arrays, True, source)
     vector = names[0] if len(names) == 1 else next((name for name in VECTORS if name in low and low[name].ndim == 2), None)
-    pair = names if len(names) == 2 else next((pair for pair in PAIRS if set(pair) <= set(low)), None)
-    third = next((low[name] for name in THIRD if name in low and low[name].ndim == 1), None)
+    threes = [components(one, axes) for one in COMPONENTS]
+    scalars = {name for name in low if low[name].ndim == 1}
+    pair = tuple(names) if len(names) == 2 else next((one[:2] for one in threes if {*one[:2]} <= scalars), None)
+    third = None
     if vector and len(names) < 2:
         if low[vector].ndim < 2 or low[vector].shape[1] < 2:
             raise BadInput(f"{source}: '{vector}' is no vector; give two arrays as --velocity U,V")
         u, v, third = low[vector][:, 0], low[vector][:, 1], low[vector][:, 2] if low[vector].shape[1] > 2 else None
     elif pair:
         u, v = low[pair[0]], low[pair[1]]
+        if u.ndim > 1 or v.ndim > 1:
+            raise BadInput(f"{source}: '{pair[0]}' or '{pair[1]}' is a vector; give one name, as --velocity {pair[0]}")
+        third = next((low[one[2]] for one in threes if tuple(map(plain, pair)) == one[:2] and one[2] in scalars), None)
     else:
         raise BadInput(f"{source} has no velocities (as U, velocity, or u and v; --velocity NAME or --velocity U,V names "
             f"others); its arrays: {there}")
@@ -112,19 +135,20 @@ def named(arrays, wanted, source):
             for name in ("k", "epsilon")}
     require_finite(found, source)
     if not names:
-        require_one(low, u, v, source)
+        require_one(low, threes, u, v, source)
     if third is not None and np.abs(third).max(initial=0) > THIRD_MOST * max(np.abs(u).max(), np.abs(v).max()):
         raise BadInput(f"{source}: the flow is 3-D, its third component reaches {np.abs(third).max():.3g} m/s; only plane flows "
             f"are taken")
     return found
 
 
-def require_one(low, u, v, source):
-    """Raises BadInput where arrays {name in lower case: values} of another name for velocities have other ones than u and v."""
+def require_one(low, threes, u, v, source):
+    """Raises BadInput where arrays {name in lower case: values} of another name for velocities have other ones than u and v;
+    threes: names of components, those of the plane first."""
     several = [(name, low[name][:, 0], low[name][:, 1]) for name in VECTORS if name in low and low[name].ndim == 2
         and low[name].shape[1] > 1]
-    several += [(",".join(pair), *(low[name] for name in pair)) for pair in PAIRS if all(name in low and low[name].ndim == 1
-        for name in pair)]
+    several += [(",".join(one[:2]), low[one[0]], low[one[1]]) for one in threes if all(name in low and low[name].ndim == 1
+        for name in one[:2])]
     for name, *other in several:
         same = [np.allclose(a, b, rtol=1e-6, atol=1e-6 * np.abs(a).max(initial=0), equal_nan=True)
             for a, b in zip((u, v), other)]

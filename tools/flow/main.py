@@ -5,10 +5,11 @@ caseGiven follows: FreeFem++ -nw cases/given_flow.edp -flow FOLDER. Steady, or a
 
 FILE is
   - an OpenFOAM case: its folder or a file in it (NAME.foam); the mesh is one cell deep between empty patches
-  - a .vtu or .vtk of plane cells, or of 3-D cells one cell deep (ParaView, foamToVTK, this project); several, one for each
+  - a .vtu, .pvtu or .vtk of plane cells, or of 3-D cells one cell deep (ParaView, foamToVTK, this project); several, one for each
     of --times; or a .pvd, which lists them with their times
   - a .csv with the columns x, y, u, v and perhaps k, epsilon (names of Fluent and ParaView are known too): a cloud of
-    points, which is interpolated on the mesh of --mesh; several, one for each of --times
+    points, which is interpolated on the mesh of --mesh; several, one for each of --times. In a plane across y or x its columns
+    are x, z, u, w or y, z, v, w
 
 Boundaries are named as in every mesh of the project: inlet, outlet, wall, diaphragm, obstacle, cylinder, lid, axis, left,
 right, bottom, top. Patches of OpenFOAM keep such a name, other walls become wall; --label names the rest:
@@ -41,7 +42,7 @@ from tools.meshing.labels import LABELS
 UNBALANCED, LITTLE, THROUGH_WALLS = 0.02, 0.05, 0.25
 LEAST_ANGLE = 1e-3  # degrees: cells of a boundary layer are thin
 AT_REST = "wall", "diaphragm", "obstacle", "cylinder"
-KINDS = ".vtu", ".vtk"
+KINDS = ".vtu", ".vtk", ".pvtu"
 
 
 def parser():
@@ -78,7 +79,7 @@ def timed(files, words):
 
 def read(options):
     """(Given, PlaneMesh, cell of each triangle) of the options. Raises BadInput."""
-    files, ends = options.files, {Path(file).suffix for file in options.files}
+    files, ends = options.files, {Path(file).suffix.lower() for file in options.files}
     rules = plane.rules(options.label)
     if ends == {".csv"}:
         if not options.mesh:

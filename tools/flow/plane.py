@@ -73,12 +73,12 @@ def rules(words):
     sign, value). Raises BadInput."""
     found = []
     for word in words:
-        name, equals, what = word.partition("=")
+        name, equals, what = (part.strip() for part in word.partition("="))
         if not equals or name not in LABELS or not what:
             raise BadInput(f"--label takes NAME=CONDITION, as inlet=x<1e-6, NAME={REST} or NAME=PATCH, not '{word}'; names are "
                 f"{', '.join(LABELS)}")
         parts = [CONDITION.match(part) for part in what.split("&")]
-        if any(sign in what for sign in "<>"):
+        if any(sign in what for sign in "<>="):
             try:
                 what = [("xy".index(part[1]), part[2], float(part[3])) for part in parts]
             except (TypeError, ValueError):

@@ -2,19 +2,23 @@
 
 Taken are plane cells (triangles, quadrilaterals, polygons; of second-order ones the corners), or 3-D cells that are one cell deep
 between two planes across x, y or z, of which the face in the lower plane counts. Values at points are taken before those in cells.
+Pieces of a file are one mesh (tools/flow/pieces.py), joined where they meet (tools/flow/seams.py).
 """
 import contextlib
 import io
 import itertools
+import math
+import re
 import xml.etree.ElementTree
 from pathlib import Path
 
-import meshio
 import numpy as np
 from scipy.spatial import cKDTree
 
 from tools.base.command import BadInput
+from tools.flow import pieces
 from tools.flow.given import THIRD_MOST, Given, chosen_times, named, require_finite, unused
+from tools.flow.seams import joined
 
 CORNERS = {"triangle": 3, "triangle6": 3, "triangle7": 3, "quad": 4, "quad8": 4, "quad9": 4}
 # the faces of 3-D cells, in VTK's order of corners
@@ -33,6 +37,8 @@ def listed(path, times):
         raise BadInput(f"cannot read {path}: {problem}") from None
     if not rows:
         raise BadInput(f"{path} lists no files")
+    if any(not math.isfinite(time) for time, _ in rows):
+        raise BadInput(f"cannot read {path}: a time is no finite number")
     if any(time == later for (time, _), (later, _) in itertools.pairwise(rows)):
         raise BadInput(f"{path} lists several files of one time, parts of a mesh perhaps; one file for each time is taken "
             f"(in ParaView the filter Merge Blocks, then save as .vtu)")
@@ -52,7 +58,7 @@ def read(files, velocity, values):
             raise BadInput(f"{file} has another mesh than {files[0][1]}; all times need the same")
         flow.times.append(time)
         flow.frames.append(arrays)
-    return flow
+    return joined(flow, files[0][1])
 
 
 def one_file(file, velocity, values):
@@ -61,16 +67,20 @@ def one_file(file, velocity, values):
         raise BadInput(f"cannot read the flow {file}: it is not there")
     try:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-            data = meshio.read(file)
+            data = pieces.read(file)
+    except BadInput:
+        raise
     except (Exception, SystemExit) as problem:  # meshio ends the process on some bad files
-        raise BadInput(f"cannot read the flow {file}: it is no whole file of its kind ({type(problem).__name__})") from None
+        raise BadInput(f"cannot read the flow {file}: {why_not(file, problem)}") from None
     points = np.asarray(data.points, float)
     points = points if points.shape[1] == 3 else np.column_stack([points, 0 * points[:, 0]])
     require_finite({"the place of a point": points.ravel()}, str(file))
+    every = corners_of(data.cells)
     solid = any(block.type.startswith(SOLID) for block in data.cells)
     polygons, kept, axes = sliced(points, data.cells, file) if solid else flat(points, data.cells, file)
     try:
-        at_points = named(turned(data.point_data, axes), velocity, str(file)) if values != "cells" and data.point_data else None
+        there = {name: np.asarray(array, float)[every] for name, array in turned(data.point_data, axes).items()}
+        at_points = named(there, velocity, str(file), axes) if values != "cells" and there else None
     except BadInput:
         if values == "points" or not data.cell_data:
             raise
@@ -81,6 +91,7 @@ def one_file(file, velocity, values):
     number = np.full(len(points), -1)
     number[used] = np.arange(len(used))
     polygons = [number[one] for one in polygons]
+    at_points = at_points and {name: spread(array, every, len(points)) for name, array in at_points.items()}
     if solid and at_points is not None:
         require_plane(points[:, axes], used, at_points, file)
     if at_points is not None:
@@ -88,8 +99,33 @@ def one_file(file, velocity, values):
             unused(data.point_data, data.cell_data))
     cells = {name: np.concatenate([np.asarray(part, float) for part in parts])[kept] for name, parts in data.cell_data.items()
         if all(np.ndim(part) == np.ndim(parts[0]) for part in parts)}
-    return (points[used][:, axes], polygons, named(turned(cells, axes), velocity, str(file)), True,
+    return (points[used][:, axes], polygons, named(turned(cells, axes), velocity, str(file), axes), True,
         unused(data.cell_data, data.point_data))
+
+
+def corners_of(blocks):
+    """The points that cells have."""
+    return np.unique(np.concatenate([np.concatenate([np.ravel(face) for cell in block.data for face in cell])
+        if block.type.startswith("polyhedron") else np.ravel(block.data) for block in blocks] or [np.empty(0, int)]).astype(int))
+
+
+def spread(values, places, n):
+    """An array (n,) with values at places, 0 elsewhere."""
+    found = np.zeros(n)
+    found[places] = values
+    return found
+
+
+def why_not(file, problem):
+    """What is wrong with a file that its reader does not take."""
+    head = Path(file).read_bytes()[:2000]
+    if b"vtkLZ4DataCompressor" in head:
+        return "it is compressed by LZ4; write it with the compressor ZLib, or with none"
+    other = re.search(rb"^DATASET\s+(\w+)|VTKFile\s+type=.(\w+)", head, re.MULTILINE)
+    kind = (other[1] or other[2]).decode() if other else ""
+    if kind and kind not in ("UNSTRUCTURED_GRID", "UnstructuredGrid"):
+        return f"its grid is of the kind {kind}; write an unstructured one (in ParaView the filter Append Datasets makes it)"
+    return f"it is no whole file of its kind ({type(problem).__name__})"
 
 
 def require_plane(points, used, arrays, file):
@@ -134,8 +170,7 @@ def flat(points, blocks, file):
 
 def sliced(points, blocks, file):
     """The same of 3-D cells, one cell deep."""
-    used = np.unique(np.concatenate([np.concatenate([np.ravel(face) for cell in block.data for face in cell])
-        if block.type.startswith("polyhedron") else np.ravel(block.data) for block in blocks if block.type.startswith(SOLID)]))
+    used = corners_of([block for block in blocks if block.type.startswith(SOLID)])
     size = np.ptp(points[used], axis=0).max()
     levels = [np.unique(np.round(points[used, axis] / (FLAT * size))) for axis in range(3)]
     across = next((axis for axis in (2, 1, 0) if len(levels[axis]) == 2), None)

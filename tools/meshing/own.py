@@ -1,5 +1,8 @@
 """A domain of your own: a gmsh script (.geo) or a mesh by gmsh (.msh), its sides named by physical curves.
 
+A file with volumes gives a mesh of tetrahedra, for spheres. What is said of curves here holds there for surfaces, and what is
+said of surfaces for volumes.
+
 Each side of the domain belongs to a physical curve whose name is a boundary of the project
 (wall, inlet, outlet, obstacle, left, right ...; lib/mesh/labels.idp) or one of your own, which gets a label from
 21 on and stands in the head of the mesh; without a name the curve's number is the label:
@@ -22,6 +25,7 @@ from pathlib import Path
 import numpy as np
 
 from tools.base.command import BadInput, positive
+from tools.meshing import own_space
 from tools.meshing.labels import LABELS, own_labels
 from tools.meshing.plane_mesh import finished, signed_areas
 from tools.meshing.unstructured import extracted, with_gmsh
@@ -30,7 +34,7 @@ KINDS = (".geo", ".msh")
 TRIANGLE = 2  # gmsh's number of the triangle of three nodes
 REMEDY = "mend it in the program it comes from, or take other sizes"  # of a mesh that fails its check
 LEAST_ANGLE = 0.1  # degrees; layers of thin triangles at a wall are wanted
-MOST = 1e8  # squares of the element size in the box round a domain
+MOST = {2: 1e8, 3: 1e7}  # squares, or cubes, of the element size in the box round a domain
 
 
 def add_options(parser):
@@ -51,22 +55,26 @@ def build(options):
         raise BadInput(f"cannot read '{source}': {problem.strerror}") from None
     if source.suffix == ".geo" and last.strip():
         raise BadInput(f"'{source}' ends without a newline; gmsh drops statements of its last line: add one")
-    return None, with_gmsh(lambda gmsh: read(gmsh, source, options.size, options.proportional), f"gmsh cannot make a mesh of "
-        f"'{source}'")
+    return None, with_gmsh(lambda gmsh: read(gmsh, source, options.size, options.proportional, (2, 3)), f"gmsh cannot make a mesh "
+        f"of '{source}'")
 
 
-def proportional(gmsh, scale, factor, size):
+def proportional(gmsh, scale, factor, size, dimension):
     """Sets gmsh's factor on all sizes so that the largest elements (of every twenty the largest) are of this size. Raises
     BadInput."""
     gmsh.model.mesh.clear()  # of commands Mesh of the script
-    gmsh.model.mesh.generate(2)
-    points, triangles, _ = extracted(gmsh, [-1])
-    areas = abs(signed_areas(points[:, :2], triangles))
-    if not len(areas):
+    gmsh.model.mesh.generate(dimension)
+    if dimension == 3:
+        count, largest = len(gmsh.model.mesh.getElementsByType(own_space.TETRAHEDRON)[0]), own_space.size_of(gmsh)
+    else:
+        points, triangles, _ = extracted(gmsh, [-1])
+        areas = abs(signed_areas(points[:, :2], triangles))
+        count, largest = len(areas), np.sqrt(4 / np.sqrt(3) * np.quantile(areas, 0.95)) if len(areas) else None
+    if not count:
         return
-    largest = scale * np.sqrt(4 / np.sqrt(3) * np.quantile(areas, 0.95))
-    if len(areas) * (largest / size) ** 2 > MOST:
-        raise BadInput(f"--size {size:g} makes more than {MOST:g} triangles")
+    largest *= scale
+    if count * (largest / size) ** dimension > MOST[dimension]:
+        raise BadInput(f"--size {size:g} makes more than {MOST[dimension]:g} {'tetrahedra' if dimension == 3 else 'triangles'}")
     gmsh.model.mesh.clear()
     gmsh.option.setNumber("Mesh.MeshSizeFactor", factor * size / largest)
 
@@ -83,19 +91,25 @@ def require_triangles(gmsh, source, surfaces):
                     f"nodes are taken: leave out {remedy}")
 
 
-def read(gmsh, source, size, all_sizes=False):
-    """The PlaneMesh of a file, meshed if it is a script; all_sizes: --proportional. Raises BadInput."""
+def read(gmsh, source, size, all_sizes=False, dimensions=(2,)):
+    """The PlaneMesh of a file, meshed if it is a script, or with dimensions (2, 3) the SpaceMesh of one with volumes; all_sizes:
+    --proportional. Raises BadInput."""
     if all_sizes and not size:
         raise BadInput("--proportional needs --size")
     if source.suffix == ".geo" and re.search(r"^[ \t]*Exit[ \t]*;", source.read_text(encoding="utf-8", errors="replace"),
         re.MULTILINE):
         raise BadInput(f"'{source}' has the command Exit, which ends the program before there is a mesh: take it out")
     gmsh.open(str(source))
-    scale, surfaces = 1.0, [-1]
+    scale, surfaces, dimension = 1.0, [-1], 3 if own_space.has_volumes(gmsh) else 2
+    if dimension not in dimensions:
+        raise BadInput(f"'{source}' has volumes, which are for spheres in three dimensions; a plane mesh is needed here")
     if source.suffix == ".geo":
-        scale, surfaces = meshed(gmsh, source, size, all_sizes)
+        scale, surfaces = meshed(gmsh, source, size, all_sizes, dimension)
     elif size:
         raise BadInput(f"--size is for scripts; '{source}' is meshed already")
+    own = own_names(gmsh, source, dimension - 1)
+    if dimension == 3:
+        return own_space.read(gmsh, source, scale, surfaces, own)
     require_triangles(gmsh, source, surfaces)
     points, triangles, number = extracted(gmsh, surfaces)
     points *= scale
@@ -111,40 +125,43 @@ def read(gmsh, source, size, all_sizes=False):
     points = points[:, :2]
     if len(np.unique(points, axis=0)) < len(points):
         raise BadInput(f"'{source}' has two nodes in one place: remove duplicates, or give matching sides one curve")
-    own = own_names(gmsh, source)
     mesh = finished(points, triangles, partial(named, labels=labels_of_edges(gmsh, points, number, own, source), source=source))
     mesh.names = {label: name for name, label in own.items() if np.any(mesh.edge_labels == label)}
     return mesh
 
 
-def own_names(gmsh, source):
-    """{name: label} of the physical curves that have names of one's own, in the order of their numbers. Raises BadInput."""
-    groups = gmsh.model.getPhysicalGroups(1)
-    names = {group: gmsh.model.getPhysicalName(dimension, group) for dimension, group in groups}
+def own_names(gmsh, source, dimension):
+    """{name: label} of the physical curves, or surfaces (dimension 2), that have names of one's own, in the order of their numbers.
+    Raises BadInput."""
+    groups = gmsh.model.getPhysicalGroups(dimension)
+    names = {group: gmsh.model.getPhysicalName(dimension, group) for _, group in groups}
     try:
         return own_labels(filter(None, names.values()), {group for group, name in names.items() if not name})
     except BadInput as problem:
         raise BadInput(f"'{source}': {problem}") from None
 
 
-def meshed(gmsh, source, size, all_sizes):
-    """Meshes an open script; its Mesh.ScalingFactor and the surfaces that gmsh would write ([-1]: all). Raises BadInput."""
+def meshed(gmsh, source, size, all_sizes, dimension):
+    """Meshes an open script; its Mesh.ScalingFactor and the surfaces, or volumes, that gmsh would write ([-1]: all). Raises
+    BadInput."""
     scale, factor, largest, least, every = (gmsh.option.getNumber("Mesh." + name) for name in ("ScalingFactor", "MeshSizeFactor",
         "MeshSizeMax", "MeshSizeMin", "SaveAll"))
     if not (scale > 0 and factor > 0):
         raise BadInput(f"'{source}' has Mesh.ScalingFactor {scale:g} and Mesh.MeshSizeFactor {factor:g}: both must be above 0")
     if size and all_sizes:
-        proportional(gmsh, scale, factor, size)
+        proportional(gmsh, scale, factor, size, dimension)
     elif size:
-        x0, y0, _, x1, y1, _ = (scale * bound for bound in gmsh.model.getBoundingBox(-1, -1))
-        if (x1 - x0) * (y1 - y0) / size**2 > MOST:
-            raise BadInput(f"--size {size:g} makes more than {MOST:g} triangles of a domain of {x1 - x0:g} times {y1 - y0:g}")
+        bounds = scale * np.array(gmsh.model.getBoundingBox(-1, -1))
+        box = (bounds[3:] - bounds[:3])[:dimension]
+        if np.prod(box / size) > MOST[dimension]:
+            raise BadInput(f"--size {size:g} makes more than {MOST[dimension]:g} {'tetrahedra' if dimension == 3 else 'triangles'} "
+                f"of a domain of {' times '.join(f'{one:g}' for one in box)}")
         largest = min(largest, size / scale / factor)  # gmsh takes the factor after the bounds
         gmsh.option.setNumber("Mesh.MeshSizeMax", largest)
         gmsh.option.setNumber("Mesh.MeshSizeMin", min(least, largest))
         gmsh.model.mesh.clear()  # curves that a command Mesh of the script has divided would stay as they are
-    gmsh.model.mesh.generate(2)
-    groups = [] if every else gmsh.model.getPhysicalGroups(2)
+    gmsh.model.mesh.generate(dimension)
+    groups = [] if every else gmsh.model.getPhysicalGroups(dimension)
     return scale, sorted({tag for pair in groups for tag in gmsh.model.getEntitiesForPhysicalGroup(*pair)}) or [-1]
 
 

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import meshio
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from tools.base.command import BadInput
 from tools.base.space_mesh import SpaceMesh
@@ -92,7 +94,21 @@ def faults(mesh):
         found.append("it has flat or inverted tetrahedra")
     if (np.asarray(mesh.labels) <= 0).any():
         found.append("sides of it have no label")
+    pieces = pieces_of(mesh.tetrahedra)
+    if pieces > 1:
+        found.append(f"the tetrahedra make {pieces} pieces that share no side: join the volumes (in gmsh BooleanFragments or "
+            f"Coherence), or mesh one")
     return found
+
+
+def pieces_of(tetrahedra):
+    """Number of parts of a mesh between which no face is shared."""
+    n = len(tetrahedra)
+    faces = np.sort(np.concatenate([tetrahedra[:, list(c)] for c in ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))]), axis=1)
+    _, side = np.unique(faces, axis=0, return_inverse=True)
+    sides = side.max() + 1
+    joins = coo_matrix((np.ones(4 * n, bool), (np.tile(np.arange(n), 4), n + side.ravel())), shape=(n + sides, n + sides))
+    return connected_components(joins, directed=False)[0]
 
 
 def quality(mesh):
@@ -108,7 +124,8 @@ def quality(mesh):
 
 
 def summary(mesh):
-    kinds = ", ".join(f"{NAMES.get(label, label)} {np.sum(mesh.labels == label)}" for label in np.unique(mesh.labels))
+    names = NAMES | mesh.names
+    kinds = ", ".join(f"{names.get(label, label)} ({label}) {np.sum(mesh.labels == label)}" for label in np.unique(mesh.labels))
     return (f"{len(mesh.points)} vertices, {len(mesh.tetrahedra)} tetrahedra, triangles of the boundary: {kinds}; "
             f"least quality {quality(mesh).min():.2f}")
 
@@ -126,6 +143,10 @@ def write(mesh, file):
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
         meshio.write(temporary, content, file_format="medit", float_fmt=".10g")
+        if mesh.names:
+            head, dimension, rest = temporary.read_text(encoding="utf-8").partition("Dimension 3\n")
+            sides = "".join(f"# side {label} {name}\n" for label, name in sorted(mesh.names.items()))
+            temporary.write_text(head + dimension + sides + rest, encoding="utf-8")
         os.replace(temporary, file)
     except OSError as problem:
         raise BadInput(f"cannot write the mesh to '{file}': {problem.strerror}") from None

@@ -217,8 +217,11 @@ def main(words=None):
     """Make the pictures; 0 if one was made at least."""
     given = parser().parse_args(words)
     run = RunFolder(given.run)
-    if run.has("zones"):
-        raise BadInput(f"{given.run} is a steady flow; python -m tools.plot_steady draws it")
+    if run.has("zones") or (run.has("results") and not run.has("fluid") and not run.has("particles")):
+        words = "its numbers stand in results.csv, and -fields 1 writes what python -m tools.plot_steady draws"
+        if (run.folder / "fields.vtu").is_file():
+            words = "python -m tools.plot_steady draws it"
+        raise BadInput(f"{given.run} is a steady flow; {words}")
     if run.has("motion"):
         raise BadInput(f"{given.run} is a run of contacts alone; python -m tools.plot_contacts draws it")
     if run.in_space:
@@ -248,7 +251,5 @@ def main(words=None):
         alone = "python -m tools.plot_transport draws the flow" if run.has("steps") else "the run wrote no velocity, see -fields"
         print(f"{name}: {path}" + (f" (particles only: {alone})" if bare else ""), flush=True)
     if not made:
-        told = "; its numbers stand in results.csv" if run.has("results") else ""
-        told += "; python -m tools.plot_steady draws its flow" if (run.folder / "fields.vtu").is_file() else ""
-        raise BadInput(f"nothing in {run.folder} can be drawn" + told)
+        raise BadInput(f"nothing in {run.folder} can be drawn")
     return 0

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import meshio
 
+from tools.plot.colour import known
 from tools.plot.contact_rows import rows_of, step_length
 
 HALVINGS = 2  # of the edges of an icosahedron: 162 corners and 320 triangles a sphere
@@ -68,7 +69,8 @@ def contact_lines(run, time):
 
 
 def spheres(run, time, forces):
-    """The spheres at a time as a meshio.Mesh of triangles, with id, velocity, omega, radius and contact_force."""
+    """The spheres at a time as a meshio.Mesh of triangles, with id, velocity, omega, radius, density and free
+    (where entries.csv tells them) and contact_force."""
     ids, x, y, z, radius = run.particles_at(time)
     corners, triangles = unit_sphere()
     points = np.column_stack([x, y, z])[:, None] + radius[:, None, None] * corners
@@ -79,6 +81,6 @@ def spheres(run, time, forces):
         return np.array([[np.interp(time, track["t"], track[name]) for name in names] for track in tracks]).reshape(-1, 3)
     pushed = np.full((len(ids), 3), np.nan) if forces is None else np.array([forces[int(one)] for one in ids]).reshape(-1, 3)
     values = {"id": ids.astype(int), "velocity": vector("u", "v", "w"), "omega": vector("omega_x", "omega_y", "omega_z"),
-        "radius": radius, "contact_force": pushed}
+        "radius": radius, **known(run, ids), "contact_force": pushed}
     return meshio.Mesh(points.reshape(-1, 3), [("triangle", cells.reshape(-1, 3))],
         cell_data={name: [np.repeat(value, len(triangles), axis=0)] for name, value in values.items()})
