@@ -233,3 +233,58 @@ def test_a_thrown_sphere_keeps_the_share_of_its_velocity_that_its_added_mass_lea
         freefem_text(text, "-dt", 0.0005, "-cfl", 0, "-tend", 0.001, "-checkpoint", 1, "-out", rest)
         freefem_text(text, "-dt", 0.0005, "-cfl", 0, "-tend", 0.002, "-restart", rest)
         assert (rest / "particles.csv").read_bytes() == (run / "particles.csv").read_bytes()
+
+
+def test_light_spheres_thrown_aslant_and_at_each_other_lose_energy_and_share_momentum(box, freefem_text, tmp_path):
+    """A sphere of 0.06 times the density, thrown aslant between the axes of the mesh, keeps s/(s + 1/2) of its velocity. Four that
+    touch each other and share elements leave less energy than was thrown, and what momentum is left they have with the fluid."""
+    R, density, words = 0.0075, 0.06 * 960, ["-mesh", box, "-dt", 0.0005, "-cfl", 0, "-tend", 0.001, "-budget", 1]
+    thrown = 0.1 * np.array([1, 2, -0.5]) / np.sqrt(5.25)
+    def still(fill):
+        return scene(fill).replace("gravityZ = -9.81", "gravityZ = 0")
+    freefem_text(still(f"sphereMoves(bodySphere(0.001, 0, 0.031, R, {density}), {', '.join(map(str, thrown))});"), *words,
+        "-out", tmp_path / "one")
+    row = read_table(tmp_path / "one/particles.csv")
+    velocity = np.array([row["u"][0], row["v"][0], row["w"][0]])
+    assert velocity @ thrown / 0.01 == pytest.approx(0.06 / 0.56, rel=0.2)
+    assert np.linalg.norm(velocity - velocity @ thrown * thrown / 0.01) < 0.01 * 0.1
+    at = 1.001 * R * np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / np.sqrt(2) + [0, 0, 0.03]
+    speed = 0.1 * np.array([[1, 0.3, 0], [-0.5, 1, 0.2], [0.4, -1, 1], [-1, 0, -0.6]])
+    fill = "".join(f"sphereMoves(bodySphere({', '.join(map(str, a))}, R, {density}), {', '.join(map(str, v))});"
+        for a, v in zip(at, speed))
+    freefem_text(still(fill), *words, "-out", tmp_path / "four")
+    mass = 4 / 3 * np.pi * R**3 * density
+    assert 0 < read_table(tmp_path / "four/budget.csv")["kinetic_energy"][0] < 0.3 * mass / 2 * (speed**2).sum()
+
+
+SHORT = """
+load "msh3"
+mesh3 T0 = cube(10, 10, 12, [3*x - 1.5, 3*y - 1.5, 3.6*z]);
+int[int] sides = [1, 3, 2, 4, 3, 5, 4, 6, 5, 1, 6, 2];
+mesh3 T = change(T0, label = sides);
+savemesh(T, "FILE");
+"""
+CARRIED = """
+include "lib/spheres/case.idp"
+optCase("carried", "a sphere is let go in a uniform stream");
+real given = optReal("-given", 1, "m/s", "its velocity");
+real rhoFluid = 1, mu = 0.001, gravityX = 0, gravityY = 0, gravityZ = 0;
+int[int] flowNoSlip(0), flowSlip = [3, 4, 5, 6], flowMoving = [labelInlet], flowOutlet = [labelOutlet];
+macro boundaryW() 1 // EOM
+func real boundaryRamp(real t) { return 1; }
+macro caseStart() spaceW = 1.; // EOM
+macro caseParticles() sphereMoves(bodySphere(0, 0, 1.8, 0.5, 0.06), 0, 0, given); // EOM
+include "scripts/spheres.edp"
+"""
+
+
+def test_a_light_sphere_let_go_in_a_stream_shares_its_momentum_with_it(freefem_text, tmp_path):
+    """With the velocity of a stream a sphere feels nothing. With another one it keeps s/(s + 1/2) of the difference, as in a fluid at
+    rest."""
+    freefem_text(SHORT.replace("FILE", str(tmp_path / "box.mesh")))
+    words = ["-mesh", tmp_path / "box.mesh", "-dt", 0.002, "-cfl", 0, "-tend", 0.006]
+    freefem_text(CARRIED, *words, "-out", tmp_path / "same")
+    rows = read_table(tmp_path / "same/particles.csv")
+    assert rows["w"] == pytest.approx(1, abs=1e-6) and np.abs(rows["u"]).max() < 1e-6
+    freefem_text(CARRIED, *words, "-given", 0, "-out", tmp_path / "rest")
+    assert 1 - read_table(tmp_path / "rest/particles.csv")["w"] == pytest.approx(0.06 / 0.56, rel=0.2)
