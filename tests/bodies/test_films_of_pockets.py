@@ -1,0 +1,65 @@
+"""Fluid that films enclose leaves through their gaps, against a resistance."""
+import numpy as np
+import pytest
+
+from tests.scenes import case
+from tests.tables import numbers
+from tools.base.run_folder import RunFolder
+from tools.validation.films_of_pockets import (CORNER, FITTED_CORNER, FITTED_POCKET, POCKET, WITHIN, corner_words, of_corner,
+    of_pocket, pocket_words)
+
+
+def run_words(options):
+    return [word for pair in options.items() for word in pair]
+
+
+@pytest.mark.parametrize("gap, tilt", [(0.05, 0), (0.02, 17)])
+def test_a_disk_that_sinks_into_a_corner_presses_the_fluid_out(gap, tilt, freefem, tmp_path):
+    """It met a fiftieth of the resistance at 0.02 radii."""
+    freefem(CORNER, *run_words(corner_words(gap, tilt=tilt)), "-out", tmp_path / "run")
+    assert of_corner(numbers(tmp_path / "run", "forces.csv"), gap, tilt) == pytest.approx(FITTED_CORNER[gap], rel=WITHIN)
+
+
+@pytest.mark.parametrize("gap, apart, tilt", [(0.1, 0.1, 0), (0.02, 0.02, 25)])
+def test_three_disks_enclose_fluid(gap, apart, tilt, freefem, tmp_path):
+    """The disk that sinks between the others met a sixth of the resistance, and a two hundredth."""
+    freefem(POCKET, *run_words(pocket_words(gap, apart, tilt=tilt)), "-out", tmp_path / "run")
+    found = of_pocket(numbers(tmp_path / "run", "forces.csv"), gap, tilt)
+    assert found == pytest.approx(FITTED_POCKET[gap, apart], rel=WITHIN)
+
+
+def cornered(shape):
+    """A disk that moves slowly into the lower left corner of a box of 2 x 2, with gaps of a twentieth of its radius."""
+    motion = "macro caseMotion(now) givenMotion(0, -0.001, -0.001, 0); // EOM\n"
+    return case(f"bodyHeld({shape});", walls="labelLeft, labelRight, labelBottom, labelTop", more=motion, gravity=0, mu=1)
+
+
+def test_the_pressure_of_a_pocket_is_on_the_walls_around_it(freefem_text, tmp_path):
+    """The floor bears the vertical part and the side wall the horizontal one; the bound is that of the steady balance."""
+    freefem_text(cornered("bodyDisk(0.2625, 0.2625, 0.25, 1)"), "-dt", 0.01, "-cfl", 0, "-tend", 0.4, "-every", 0, "-forces", 1,
+        "-wallforces", 1, "-out", tmp_path / "run")
+    run = RunFolder(tmp_path / "run")
+    walls, forces = run.table("wallforces"), run.table("forces")
+    late = walls["t"] == walls["t"][-1]
+    by_label = {int(label): np.array([fx, fy]) for label, fx, fy in zip(walls["label"][late], walls["fx"][late], walls["fy"][late])}
+    body = np.array([forces["fx"][-1], forces["fy"][-1]])
+    assert body.min() > 20000 * 0.001  # without a pocket: about 1300
+    assert sum(by_label.values()) == pytest.approx(-body, rel=0.02)
+    sides = sorted(by_label.values(), key=lambda force: force[0])
+    floors = sorted(by_label.values(), key=lambda force: force[1])
+    assert sides[0][0] == pytest.approx(-body[0], rel=0.1) and floors[0][1] == pytest.approx(-body[1], rel=0.1)
+
+
+def test_a_disk_as_a_body_of_any_shape_has_the_same_pocket(freefem_text, tmp_path):
+    """Lines of points in place of the formulas of disks."""
+    found = []
+    for name, shape in (("disk", "bodyDisk(0.2625, 0.2625, 0.25, 1)"), ("clump", "CLUMP")):
+        text = cornered(shape)
+        if name == "clump":
+            text = text.replace("bodyHeld(CLUMP);", "{ real[int] cx = [0.2625], cy = [0.2625], cr = [0.25]; "
+                "bodyHeld(bodyClump(cx, cy, cr, 1)); }").replace('include "lib/mesh/labels.idp"', 'include "lib/mesh/labels.idp"\n'
+                'include "lib/bodies/shapes.idp"')
+        freefem_text(text, "-dt", 0.01, "-cfl", 0, "-tend", 0.2, "-every", 0, "-forces", 1, "-out", tmp_path / name)
+        forces = RunFolder(tmp_path / name).table("forces")
+        found.append(forces["fx"][-1] + forces["fy"][-1])
+    assert found[1] == pytest.approx(found[0], rel=0.15)
