@@ -43,7 +43,7 @@ def test_a_laminar_flow_without_tables_of_walls_is_drawn(freefem, tmp_path, caps
     assert capsys.readouterr().out.endswith(": streamlines.png, speed.png, pressure.png\n")
     for name in ("streamlines", "speed", "pressure"):
         assert (tmp_path / "run" / f"{name}.png").stat().st_size > 5000
-    with pytest.raises(BadInput, match="python -m tools.plot_steady draws its flow"):
+    with pytest.raises(BadInput, match="python -m tools.plot_steady draws it"):
         plot([str(tmp_path / "run")])
 
 

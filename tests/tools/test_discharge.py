@@ -89,7 +89,7 @@ def test_the_quick_form_tells_the_default_step_from_eight_times_that(tmp_path):
     """Bounds set before: 4 % is accurate; a wide neck, whose discharge is the same from seed to seed within 1 %."""
     rows = run_map(stress.MAPS["discharge"], tmp_path, True, say=lambda line: None)[1]
     assert {pair: row["class"] for pair, row in rows.items()} == {(0.002, 0.3): "accurate", (0.016, 0.3): "stable"}
-    assert rows[0.016, 0.3]["error"] > 0.1
+    assert rows[0.016, 0.3]["error"] > 0.05
 
 
 def test_time_of_half_and_mean_height():
