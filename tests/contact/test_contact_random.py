@@ -167,10 +167,32 @@ def answers(freefem_text, folder, scenes):
     return [(speed[speed[:, 0] == k, 1:], press[press[:, 0] == k, 1:]) for k in range(len(scenes))]
 
 
+def hidden(scene, i, j, e):
+    """Contacts of a body with an end of a wall that lies on or behind the line of another wall, at rest beside it, which the body
+    faces: it stays in front of that line, and so meets no such end."""
+    along = scene.walls[:, 2:] - scene.walls[:, :2]
+    found = np.zeros(len(i), bool)
+    for body in range(len(scene.r)):
+        mine = np.flatnonzero((i == body) & (j < 0))
+        walls = -1 - j[mine]
+        away = scene.x[body] - scene.walls[walls, :2]
+        if scene.period:
+            away[:, 0] -= scene.period * np.round((away[:, 0] - along[walls, 0] / 2) / scene.period)
+        faces = np.abs((e[mine] * along[walls]).sum(1)) <= 1e-9 * np.hypot(*along[walls].T)
+        for f in np.flatnonzero(faces):
+            for t in np.flatnonzero(~faces):
+                ends = np.array([away[t], away[t] - along[walls[t]]])  # from the ends to the body
+                if ((ends - away[f]) @ e[mine[f]] > -1e-12).all() and (scene.drift[walls[f]] == scene.drift[walls[t]]).all():
+                    found[mine[t]] = True
+    return found
+
+
 def check_minimum(scene, motion, press):
-    """The conditions of the minimum over all pairs and walls, and true gaps after the move. Lengths in mean radii, masses in mean
-    masses."""
-    i, j, gap, e = gaps(scene.x, scene.r, scene.walls, scene.period)
+    """The conditions of the minimum over all pairs and walls that can be met, and true gaps after the move. Lengths in mean radii,
+    masses in mean masses."""
+    every = gaps(scene.x, scene.r, scene.walls, scene.period)
+    loose = scene.free[every[0]] | ((every[1] >= 0) & scene.free[np.maximum(every[1], 0)])
+    i, j, gap, e = (part[~hidden(scene, every[0], every[1], every[3])] for part in every)
     length, n = scene.r.mean(), len(scene.r)
     matrix = np.zeros((len(i), 2 * n))
     k, pair = np.arange(len(i)), j >= 0
@@ -190,7 +212,6 @@ def check_minimum(scene, motion, press):
     assert np.abs(moved - inverse * (matrix.T @ load)).max() < 1e-11 * max(1, push.max())  # stationary
     assert np.abs(np.minimum(push, after))[diagonal > 0].max() < 1.1 * max(TOL, 2e-15 * push.max())  # feasible, complementary
     turned = gaps(scene.x + DT * motion[:, :2], scene.r, scene.walls + DT * np.tile(scene.drift, 2), scene.period)
-    loose = scene.free[i] | (pair & scene.free[np.maximum(j, 0)])
     assert turned[2][loose].min() > -1.1e-8 * scene.r.min()
 
 

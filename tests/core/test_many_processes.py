@@ -179,10 +179,11 @@ def on_two(pipe, tmp_path_factory):
 
 @pytest.mark.slow
 def test_particles_that_enter_and_collide(pipe, on_two, tmp_path):
+    """Films that enclose fluid multiply rounding of the fluxes by the resistance of the narrowest gap (2e-12 without films)."""
     run_freefem(*pipe, "-tend", "0.12", "-out", tmp_path / "one")
-    assert_near(tmp_path / "one", on_two)
+    assert_near(tmp_path / "one", on_two, 1e-8)
     ranks(3, *pipe, "-tend", "0.12", "-out", tmp_path / "three")
-    assert_near(tmp_path / "one", tmp_path / "three")
+    assert_near(tmp_path / "one", tmp_path / "three", 1e-8)
 
 
 @pytest.mark.slow
