@@ -279,8 +279,8 @@ include "scripts/spheres.edp"
 
 
 def test_a_light_sphere_let_go_in_a_stream_shares_its_momentum_with_it(freefem_text, tmp_path):
-    """With the velocity of a stream a sphere feels nothing. With another one it keeps s/(s + 1/2) of the difference, as in a fluid at
-    rest."""
+    """With the velocity of a stream a sphere feels nothing. With another one it keeps s/(s + 1/2) of the difference, as in a fluid
+    at rest."""
     freefem_text(SHORT.replace("FILE", str(tmp_path / "box.mesh")))
     words = ["-mesh", tmp_path / "box.mesh", "-dt", 0.002, "-cfl", 0, "-tend", 0.006]
     freefem_text(CARRIED, *words, "-out", tmp_path / "same")

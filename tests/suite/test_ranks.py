@@ -12,8 +12,8 @@ LOCAL = {"rigidCount", "rigidCandidates", "rigidNode", "cutN", "gapN", "gapCut",
     "fluxNode", "leavingN", "schurEdge", "schurNumber", "partGiven", "partNeeds"}
 COLLECTIVE = {"ranksSum", "ranksMax", "ranksMin", "ranksSums", "ranksTops", "ranksDot", "ranksReport", "partPass", "partNodes",
     "partPair", "partBeside", "partVertices", "partDotW", "partDotQ", "partSumQ", "partSolve", "partGatherW", "partGatherQ",
-    "partPoints", "rigidSums", "rigidAdd", "rigidTotal", "partTriple", "partGather", "solidSums", "solidAdd", "ghostLook", "poissonSolve", "ranksJoin",
-    "pressureApply", "schurSolve", "schurSum"}
+    "partPoints", "rigidSums", "rigidAdd", "rigidTotal", "partTriple", "partGather", "solidSums", "solidAdd",
+    "ghostLook", "poissonSolve", "ranksJoin", "pressureApply", "schurSolve", "schurSum"}
 # Functions that compare the size of a list of a part with more than 0: both branches give the same values at the nodes of the part.
 BOTH_WAYS = {"rigidFindHere": "rigidSeenX", "ghostForce": "rowsShare", "gapLocate": "rowsShare", "pressureCarryHere": "rowsShare",
     "windowCarry": "rowsShare", "impactFind": "impactAt.n > n"}

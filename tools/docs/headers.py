@@ -6,7 +6,8 @@ from tools.base.command import ROOT
 # What is code within a sentence of a header: a command, the name of a file, an option with its value.
 CODE = re.compile(
     r"(?P<command>python -m tools\.[\w.]+"
-        r"(?: (?:RUN\b|--?[a-z][\w-]*(?:(?: -?\d[\d.]*\w*)+| [\w.]+\.mesh| [xyz]=\d[\d.]*| (?:alternating|named|chains)\b)?|[a-z]+_[a-z]+"
+        r"(?: (?:RUN\b|--?[a-z][\w-]*(?:(?: -?\d[\d.]*\w*)+| [\w.]+\.mesh| [xyz]=\d[\d.]*"
+        r"| (?:alternating|named|chains)\b)?|[a-z]+_[a-z]+"
         r"|(?:own|step|box|suspension|heap|cylinder)\b))*"
         r"|make validate\s+CASE=\w+|make run\b)"
     r"|(?P<file>(?<![\w/])(?:[\w.]+/)*\w[\w.]*\.(?:edp|idp|py|csv|mesh|geo|json|vtu|pvd|md)\b)"
