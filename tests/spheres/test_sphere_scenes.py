@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 
-from tests.conftest import make_mesh
+from tests.conftest import ROOT, make_mesh
 from tools.base.run_folder import RunFolder
 from tools.base.tables import read_table
 
@@ -55,6 +55,21 @@ def test_waiting_spheres_enter_when_due_and_when_there_is_room(box, freefem_text
     freefem_text(scene(fill), *options, "-restart", run, "-out", tmp_path / "again")
     again = (tmp_path / "again/particles.csv").read_text().splitlines()[1:]
     assert len(again) > 10 and again == whole[-len(again):]
+
+
+def test_a_whole_box_of_mirror_images_is_its_quarter(freefem, tmp_path):
+    """A sphere that falls on the axis, with three motions between planes of symmetry and with six in the four images of that mesh:
+    the same velocity, none aside, no spin. What is left comes from the tolerances of the solvers."""
+    size = ["--width", 0.06, "--height", 0.06, "--corridor-top", 0.06, "--corridor", 0.015, "--size", 0.005]
+    fall = []
+    for part in ("quarter", "mirrored"):
+        mesh = make_mesh(tmp_path / f"{part}.mesh", "settling_sphere", "--part", part, *size)
+        freefem(ROOT / "cases/settling_sphere.edp", "-mesh", mesh, "-z", 0.035, "-tend", 0.1, "-out", tmp_path / part)
+        fall.append(read_table(tmp_path / part / "particles.csv"))
+    assert fall[1]["w"] == pytest.approx(fall[0]["w"], rel=2e-3) and fall[0]["w"][-1] < -0.03
+    for aside in ("x", "y", "u", "v"):
+        assert abs(fall[1][aside]).max() < 1e-9
+    assert max(abs(fall[1][spin]).max() for spin in ("omega_x", "omega_y", "omega_z")) < 1e-7
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""A box of tetrahedra with a fine corridor along z, or a quarter of it between planes of symmetry: the settling sphere's.
+"""A box of tetrahedra with a fine corridor along z, a quarter of it between planes of symmetry, or that quarter with its images.
 
 The sides of the box are walls (3). In a quarter, the planes x = 0 (left, 11) and y = 0 (front, 15) are planes of symmetry.
 """
@@ -6,7 +6,7 @@ import numpy as np
 
 from tools.meshing.labels import LABELS
 from tools.meshing.options import add_length, add_size
-from tools.meshing.space_mesh import SIZES_OF_FIELDS, boxes, filled
+from tools.meshing.space_mesh import SIZES_OF_FIELDS, boxes, filled, finished, with_image
 from tools.meshing.structured import even, growing, joined
 from tools.meshing.unstructured import with_gmsh
 
@@ -19,14 +19,15 @@ def add_options(parser):
     add_length(parser, "--corridor-top", 0.14, "M", "height of the fine corridor")
     add_length(parser, "--growth", 0.03, "M", "distance over which the elements grow from the corridor to the coarse ones")
     parser.add_argument("--coarse", type=float, default=4.0, help="size of the coarse elements over --size (default %(default)s)")
-    parser.add_argument("--part", choices=["quarter", "whole"], default="quarter", help="of the box (default %(default)s)")
+    parser.add_argument("--part", choices=["quarter", "whole", "mirrored"], default="quarter",
+        help="of the box; mirrored: whole, of the images of the quarter (default %(default)s)")
     parser.add_argument("--pattern", choices=["unstructured", "grid"], default="unstructured",
         help="gmsh's tetrahedra, or the cells of a grid cut into six (default %(default)s)")
 
 
 def build(options):
     half = options.width / 2
-    low = 0.0 if options.part == "quarter" else -half
+    low = -half if options.part == "whole" else 0.0
 
     def label_of(centres):
         labels = np.full(len(centres), LABELS["wall"])
@@ -36,7 +37,7 @@ def build(options):
         return labels
 
     if options.pattern == "grid":
-        return None, grid(options, label_of)
+        return None, whole(grid(options, label_of), options, label_of)
 
     def mesh(gmsh):
         gmsh.model.occ.addBox(low, low, 0, half - low, half - low, options.height)
@@ -51,7 +52,17 @@ def build(options):
         field.setAsBackgroundMesh(corridor)
         return filled(gmsh, label_of)
 
-    return None, with_gmsh(mesh, "gmsh cannot mesh this box", SIZES_OF_FIELDS)
+    return None, whole(with_gmsh(mesh, "gmsh cannot mesh this box", SIZES_OF_FIELDS), options, label_of)
+
+
+def whole(mesh, options, label_of):
+    """The SpaceMesh itself, or with the images of a quarter where the box is asked for "mirrored"."""
+    points, tetrahedra = mesh.points, mesh.tetrahedra
+    if options.part != "mirrored":
+        return mesh
+    for axis in (0, 1):
+        points, tetrahedra = with_image(points, tetrahedra, axis, 0.0)
+    return finished(points, tetrahedra, label_of)
 
 
 def grid(options, label_of):

@@ -8,7 +8,7 @@ import numpy as np
 from tools.base.command import BadInput
 from tools.meshing.labels import LABELS
 from tools.meshing.options import add_length, add_size
-from tools.meshing.space_mesh import boxes, finished
+from tools.meshing.space_mesh import boxes, finished, with_image
 from tools.meshing.structured import even
 
 
@@ -40,12 +40,3 @@ def build(options):
     for axis in range(3):
         points, tetrahedra = with_image(points, tetrahedra, axis, lengths[axis] / 2)
     return None, finished(points, tetrahedra, label_of)
-
-
-def with_image(points, tetrahedra, axis, at):
-    """Points (n, 3) and tetrahedra (m, 4) with their mirror image at the plane `axis` = at, on which points are taken once."""
-    image = points.copy()
-    image[:, axis] = 2 * at - image[:, axis]
-    new = np.abs(points[:, axis] - at) > 1e-9 * at
-    number = np.where(new, len(points) + np.cumsum(new) - 1, np.arange(len(points)))
-    return np.concatenate([points, image[new]]), np.concatenate([tetrahedra, number[tetrahedra]])

@@ -74,6 +74,15 @@ def filled(gmsh, label_of):
     return finished(coordinates.reshape(-1, 3), place[corners.astype(int)].reshape(-1, 4), label_of)
 
 
+def with_image(points, tetrahedra, axis, at):
+    """Points (n, 3) and tetrahedra (m, 4) with their mirror image at the plane `axis` = at, on which points are taken once."""
+    image = points.copy()
+    image[:, axis] = 2 * at - image[:, axis]
+    new = np.abs(points[:, axis] - at) > 1e-9 * np.ptp(points[:, axis])
+    number = np.where(new, len(points) + np.cumsum(new) - 1, np.arange(len(points)))
+    return np.concatenate([points, image[new]]), np.concatenate([tetrahedra, number[tetrahedra]])
+
+
 def boxes(xs, ys, zs, label_of, keep=None):
     """A mesh of the cells of a grid (increasing coordinates), six tetrahedra a cell; keep(centres): which cells are there."""
     shape = (len(xs), len(ys), len(zs))
