@@ -29,14 +29,22 @@ def write(mesh, file):
         point_data={"medit:ref": vertex_labels},
         cell_data={"medit:ref": [mesh.edge_labels, np.zeros(len(mesh.triangles), dtype=int)]},
     )
+    store(content, file, mesh.names, "Dimension 2\n", ".15g")
+
+
+def store(content, file, names, heading, digits):
+    """Writes a meshio.Mesh whole or not at all, the names of sides {label: name} as comments behind the line `heading`.
+
+    Raises BadInput when the file cannot be written.
+    """
     temporary = file.with_name(f".{file.name}.{os.getpid()}.mesh")
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        meshio.write(temporary, content, file_format="medit", float_fmt=".15g")
-        if mesh.names:
-            head, dimension, rest = temporary.read_text(encoding="utf-8").partition("Dimension 2\n")
-            sides = "".join(f"# side {label} {name}\n" for label, name in sorted(mesh.names.items()))
-            temporary.write_text(head + dimension + sides + rest, encoding="utf-8")
+        meshio.write(temporary, content, file_format="medit", float_fmt=digits)
+        if names:
+            head, heading, rest = temporary.read_text(encoding="utf-8").partition(heading)
+            sides = "".join(f"# side {label} {name}\n" for label, name in sorted(names.items()))
+            temporary.write_text(head + heading + sides + rest, encoding="utf-8")
         os.replace(temporary, file)
     except OSError as problem:
         raise BadInput(f"cannot write the mesh to '{file}': {problem.strerror}") from None

@@ -1,5 +1,4 @@
 """Meshes of tetrahedra: their checks, their order, and the medit form that FreeFEM's readmesh3 reads with labels."""
-import os
 from pathlib import Path
 
 import meshio
@@ -7,9 +6,9 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from tools.base.command import BadInput
 from tools.base.space_mesh import SpaceMesh
 from tools.meshing.labels import NAMES
+from tools.meshing.medit import store
 
 # The six tetrahedra of a cell whose corners are numbered x + 2 y + 4 z: each path along the axes from corner 0 to corner 7 (Kuhn).
 KUHN = np.array([[0, 1, 3, 7], [0, 1, 5, 7], [0, 2, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 4, 6, 7]])
@@ -148,16 +147,4 @@ def write(mesh, file):
         point_data={"medit:ref": np.zeros(len(mesh.points), dtype=int)},
         cell_data={"medit:ref": [mesh.labels.astype(int), np.zeros(len(mesh.tetrahedra), dtype=int)]},
     )
-    temporary = file.with_name(f".{file.name}.{os.getpid()}.mesh")
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        meshio.write(temporary, content, file_format="medit", float_fmt=".10g")
-        if mesh.names:
-            head, dimension, rest = temporary.read_text(encoding="utf-8").partition("Dimension 3\n")
-            sides = "".join(f"# side {label} {name}\n" for label, name in sorted(mesh.names.items()))
-            temporary.write_text(head + dimension + sides + rest, encoding="utf-8")
-        os.replace(temporary, file)
-    except OSError as problem:
-        raise BadInput(f"cannot write the mesh to '{file}': {problem.strerror}") from None
-    finally:
-        temporary.unlink(missing_ok=True) if temporary.parent.is_dir() else None
+    store(content, file, mesh.names, "Dimension 3\n", ".10g")
