@@ -332,7 +332,7 @@ include "scripts/contacts.edp"
 
 
 def test_walls_that_move_are_written_where_they_are(freefem_text, tmp_path):
-    from tools.plot.contacts import ContactRun
+    from tools.plot.contact_run import ContactRun
     freefem_text(GATE, "-tend", 0.5, "-every", 0.1, "-out", tmp_path / "run")
     run = ContactRun(tmp_path / "run")
     np.testing.assert_allclose(run.walls_at(0.0), run.walls)

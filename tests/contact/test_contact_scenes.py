@@ -6,7 +6,8 @@ from tests.scenes import CONTACTS
 from tools.base.run_folder import RunFolder
 from tools.base.tables import read_table
 from tools.peers.contact_problems import Scene
-from tools.plot.contacts import ContactRun, make_film, plot_chains, plot_frames
+from tools.plot.contact_run import ContactRun
+from tools.plot.contacts import make_film, plot_chains, plot_frames
 
 
 @pytest.fixture

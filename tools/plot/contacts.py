@@ -7,7 +7,6 @@ Reads particles.csv, contacts.csv, motion.csv, walls.csv, wallmoves.csv and outl
 (positions left, velocities right), chains.png (forces at the last time), energy.png and
 film.mp4 (a gif where no mp4 can be made). Colours: viridis for speeds.
 """
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -16,88 +15,12 @@ from matplotlib.colors import LogNorm
 
 from tools.base.command import BadInput, Parser, number, whole
 from tools.base.outlines import placed
-from tools.base.run_folder import RunFolder
+from tools.plot.contact_run import ContactRun, chosen, nearest
 from tools.plot.film import frame_rate, shot, thinned, write_film
 from tools.plot.style import BODY, BODY_EDGE, FIELD_MAP, PAGE_WIDTH, ROUNDING, curve, fit_ticks, plt, save, time_text
 
 MADE = ["frames", "chains", "energy", "film"]
-FIGURE_TIMES = [0, 1, 10, 20, 60, 80, 100]  # of the falling particles
-
-
-class ContactRun(RunFolder):
-    """A run folder with its frames: frame(k) is a dict of columns at times[k]."""
-
-    upward = "y"
-
-    @cached_property
-    def _moves(self):
-        return self.columns("wallmoves") if self.has("wallmoves") else None
-
-    def walls_at(self, t):
-        """Segments (S, 2, 2), those that have moved where they are at the time t."""
-        walls = self.walls
-        if self._moves is not None:
-            walls, rows = walls.copy(), self._moves
-            last = {int(-1 - rows["wall"][k]): k for k in np.flatnonzero(rows["t"] <= t * (1 + 1e-12))}
-            later = max(last, default=-1) + 1 - len(walls)  # that came after the start
-            if later > 0:
-                walls = np.concatenate([walls, np.full((later, 2, 2), np.nan)])
-            for wall, k in last.items():
-                walls[wall] = [[rows["x1"][k], rows["y1"][k]], [rows["x2"][k], rows["y2"][k]]]
-        return walls
-
-    @cached_property
-    def _starts(self):
-        if not self.has("particles") or not len(self.columns("particles", "u", "v")["t"]):
-            raise BadInput(f"the run {self.folder} has no particles.csv with rows")
-        times, first = np.unique(self.particles["t"], return_index=True)
-        return times, np.r_[first, len(self.particles["t"])]
-
-    @property
-    def times(self):
-        """Times of the frames."""
-        return self._starts[0]
-
-    def frame(self, k):
-        """Columns of particles.csv at the k-th time, and the speed."""
-        part = slice(self._starts[1][k], self._starts[1][k + 1])
-        columns = {name: values[part] for name, values in self.particles.items()}
-        if any(self.period):
-            rows = self.images(np.column_stack([np.arange(len(columns["x"])), *(columns[name] for name in ("x", "y", "theta",
-                "radius", "radius"))]))
-            columns = {name: values[rows[:, 0].astype(int)] for name, values in columns.items()} | {"x": rows[:, 1],
-                "y": rows[:, 2]}
-        columns["speed"] = np.hypot(columns["u"], columns["v"])
-        return columns
-
-    @cached_property
-    def view(self):
-        """(x0, x1, y0, y1) that holds every disk at every time."""
-        p = self.particles
-        x0, x1 = (p["x"] - p["radius"]).min(), (p["x"] + p["radius"]).max()
-        y0, y1 = (p["y"] - p["radius"]).min(), (p["y"] + p["radius"]).max()
-        room = 0.02 * max(x1 - x0, y1 - y0)
-        sides = [(x0 - room, x1 + room), (y0 - room, y1 + room)]
-        (x0, x1), (y0, y1) = [(low, low + period) if period > 0 else side for side, low, period in zip(sides, self.low,
-            self.period)]
-        return x0, x1, y0, y1
-
-    @cached_property
-    def speeds(self):
-        """Ends of the colour scale: the greatest speed and a 1e-4 part of it."""
-        top = float(np.hypot(self.particles["u"], self.particles["v"]).max())
-        return (1e-4 * top, top) if top > 0 else (1e-4, 1.0)
-
-
-def nearest(run, times):
-    """Places of the frames nearest to the times, none twice."""
-    return sorted({int(np.abs(run.times - t).argmin()) for t in times})
-
-
-def chosen(run, number=8):
-    """Times to show: those of the figure of falling particles where the run reaches them."""
-    end = run.times[-1]
-    return FIGURE_TIMES if abs(end - 100) < 1 else np.linspace(run.times[0], end, number)
+SMALL = 5  # points: bodies of smaller diameter are drawn without arrows, and filled by a colour without outlines
 
 
 def shape_artists(axes, run, frame, thin):
@@ -114,19 +37,27 @@ def shape_artists(axes, run, frame, thin):
     return filled
 
 
+def diameter(axes, run, frame):
+    """Mean diameter of the bodies on the page, in points, in axes that hold the view of the run."""
+    x0, x1, y0, y1 = run.view
+    place, (width, height) = axes.get_position(), axes.figure.get_size_inches()
+    return 72 * min(place.width * width / (x1 - x0), place.height * height / (y1 - y0)) * 2 * np.mean(frame["radius"])
+
+
 def draw(axes, run, frame, speed=None):
     """Walls and bodies; with `speed` (LogNorm) they are filled by it. Returns the bodies' artist."""
     axes.add_collection(LineCollection(run.walls_at(frame["t"][0]), color="black", linewidth=1.0, capstyle="round", zorder=4,
         label="walls"))
     width = 2 * frame["radius"]
-    thin = 0.4 if len(width) < 1000 else 0.1
+    points = diameter(axes, run, frame)
+    thin = min(0.4, 0.08 * points)
     if run.outlines:
         disks = shape_artists(axes, run, frame, thin)
     else:
         disks = EllipseCollection(width, width, np.zeros(len(width)), units="xy", offsets=np.column_stack([frame["x"],
             frame["y"]]), transOffset=axes.transData, edgecolor=BODY_EDGE, linewidth=thin, facecolor=BODY, zorder=3)
     if speed is not None:
-        if len(width) >= 200:  # outlines would hide the colours
+        if points < SMALL:  # outlines would hide the colours
             disks.set_edgecolor("none")
         values = np.clip(frame["speed"], speed.vmin, speed.vmax)
         disks.set(cmap=FIELD_MAP, norm=speed, array=values[disks.owner] if run.outlines else values, facecolor=None)
@@ -139,53 +70,61 @@ def draw(axes, run, frame, speed=None):
     return disks
 
 
+def arrows(axes, run, frame):
+    """Arrows of one length show where a body goes; its colour says how fast."""
+    moving = frame["speed"] > run.speeds[0]
+    if not moving.any() or diameter(axes, run, frame) < SMALL or run.in_space:  # of spheres, arrows would be of hidden ones too
+        return
+    direction = np.column_stack([frame["u"], frame["v"]])[moving] / frame["speed"][moving, None]
+    reach = 1.6 * frame["radius"][moving]
+    axes.quiver(frame["x"][moving], frame["y"][moving], reach * direction[:, 0], reach * direction[:, 1], color="black",
+        angles="xy", scale_units="xy", scale=1, width=0.008, headwidth=4, headlength=4.5, headaxislength=4, zorder=5)
+
+
 def plot_frames(run, path, times=None):
-    """Positions left, velocities right, a pair for each time, two pairs beside each other."""
+    """Positions left, velocities right, a pair for each time, two pairs beside each other; of a low, long scene speeds alone,
+    one time below the other."""
     places = nearest(run, chosen(run) if times is None else times)
-    rows = -(-len(places) // 2)
     x0, x1, y0, y1 = run.view
-    wide = (PAGE_WIDTH - 1.5) / 4
-    tall = min(wide * (y1 - y0) / (x1 - x0), 2.3)
-    figure, axes = plt.subplots(rows, 4, figsize=(PAGE_WIDTH, rows * (tall + 0.3) + 0.75), squeeze=False,
+    low = y1 - y0 < 0.4 * (x1 - x0)
+    across, each = (1, 1) if low else (4, 2)  # panels in a row, and for a time
+    rows = -(-len(places) * each // across)
+    wide = (PAGE_WIDTH - 1.5) / across
+    tall = max(min(wide * (y1 - y0) / (x1 - x0), 2.3), 0.25)
+    figure, axes = plt.subplots(rows, across, figsize=(PAGE_WIDTH, rows * (tall + 0.3) + 0.75), squeeze=False,
                                 gridspec_kw={"left": 0.075, "right": 0.87, "bottom": 0.5 / (rows * (tall + 0.3) + 0.75),
                                              "top": 1 - 0.42 / (rows * (tall + 0.3) + 0.75), "wspace": 0.22, "hspace": 0.3 / tall})
     norm = LogNorm(*run.speeds)
     disks = None
-    for cell in range(2 * rows):
-        left, right = axes[cell // 2, 2 * (cell % 2):2 * (cell % 2) + 2]
+    for cell in range(rows * across // each):
+        panels = axes.flat[cell * each:(cell + 1) * each]
         if cell >= len(places):
-            left.set_axis_off()
-            right.set_axis_off()
+            for axis in panels:
+                axis.set_axis_off()
             continue
         frame = run.frame(places[cell])
-        draw(left, run, frame)
-        disks = draw(right, run, frame, norm)
-        moving = frame["speed"] > run.speeds[0]
-        if moving.any() and len(moving) < 1000 and not run.in_space:  # of spheres, arrows would be of hidden ones too
-            # Arrows of one length show where a disk goes; its colour says how fast.
-            direction = np.column_stack([frame["u"], frame["v"]])[moving] / frame["speed"][moving, None]
-            reach = 1.6 * frame["radius"][moving]
-            right.quiver(frame["x"][moving], frame["y"][moving], reach * direction[:, 0], reach * direction[:, 1], color="black",
-                         angles="xy", scale_units="xy", scale=1, width=0.008, headwidth=4, headlength=4.5, headaxislength=4,
-                             zorder=5)
-        left.set_title(time_text(run.times[places[cell]], run.units["time"], run.times[places[-1]]), loc="left", pad=2)
-        last = cell + 2 >= len(places)
-        for axis in (left, right):
-            axis.tick_params(labelbottom=last, labelleft=axis is axes[cell // 2, 0], length=2)
+        for axis in panels[:-1]:
+            draw(axis, run, frame)
+        disks = draw(panels[-1], run, frame, norm)
+        arrows(panels[-1], run, frame)
+        panels[0].set_title(time_text(run.times[places[cell]], run.units["time"], run.times[places[-1]]), loc="left", pad=2)
+        last, first = cell + across // each >= len(places), axes[cell * each // across, 0]
+        for axis in panels:
+            axis.tick_params(labelbottom=last, labelleft=axis is first, length=2)
             axis.locator_params(axis="y", nbins=int(np.clip(tall / 0.17, 1, 4)), min_n_ticks=1)
-            axis.has_neighbour = True
+            axis.has_neighbour = not low
             fit_ticks(axis, axis.get_position().width * figure.get_figwidth())
             if last:
                 axis.set_xlabel(f"x ({run.units['length']})")
-        if cell % 2 == 0:
-            left.set_ylabel(f"{run.upward} ({run.units['length']})")
+        first.set_ylabel(f"{run.upward} ({run.units['length']})")
     bar = figure.colorbar(disks, cax=figure.add_axes((0.895, 0.3, 0.018, 0.4)), extend="min")
     bar.set_label(f"speed ({run.units_per_depth['speed']})")
     figure.canvas.draw()  # now the tick labels are known: what is wide gets its room
     over = 0.01 - min(axis.get_tightbbox().x0 for axis in axes[:, 0]) / figure.bbox.width
     if over > 0:
         axes[0, 0].get_gridspec().update(left=0.075 + over)
-    figure.suptitle(f"{run.title}: positions (left) and velocities (right)", fontsize=10, y=1 - 0.1 / figure.get_figheight())
+    shown = "positions and speeds" if low else "positions (left) and velocities (right)"
+    figure.suptitle(f"{run.title}: {shown}", fontsize=10, y=1 - 0.1 / figure.get_figheight())
     return save(figure, path)
 
 

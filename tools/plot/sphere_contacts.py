@@ -5,7 +5,7 @@ as it draws disks. Walls are the outlines of the triangles that do not face the 
 """
 import numpy as np
 
-from tools.plot.contacts import ContactRun
+from tools.plot.contact_run import ContactRun
 
 FACING = 0.99  # part of a unit normal along y from which a wall faces the viewer and is left out
 
