@@ -5,8 +5,8 @@ import pytest
 from tests.scenes import case
 from tests.tables import numbers
 from tools.base.run_folder import RunFolder
-from tools.validation.films_of_pockets import (CORNER, FITTED_CORNER, FITTED_POCKET, POCKET, WITHIN, corner_words, of_corner,
-    of_pocket, pocket_words)
+from tools.validation.films_of_pockets import (CORNER, FITTED_CORNER, FITTED_LATTICE, FITTED_POCKET, LATTICE, POCKET, WITHIN,
+    corner_words, lattice_words, of_corner, of_lattice, of_pocket, pocket_words)
 
 
 def run_words(options):
@@ -26,6 +26,35 @@ def test_three_disks_enclose_fluid(gap, apart, tilt, freefem, tmp_path):
     freefem(POCKET, *run_words(pocket_words(gap, apart, tilt=tilt)), "-out", tmp_path / "run")
     found = of_pocket(numbers(tmp_path / "run", "forces.csv"), gap, tilt)
     assert found == pytest.approx(FITTED_POCKET[gap, apart], rel=WITHIN)
+
+
+@pytest.mark.parametrize("gap, place", [(0.05, (0, 0)), (0.02, (3, 2.2))])
+def test_disks_enclose_fluid_where_the_domain_is_periodic_in_both_directions(gap, place, freefem, tmp_path):
+    """A disk of a lattice across the seams; without the flow through gaps it has a twelfth of the resistance and less."""
+    freefem(LATTICE, *run_words({**lattice_words(gap, place), "-tend": 0.5}), "-out", tmp_path / "run")
+    assert of_lattice(numbers(tmp_path / "run", "forces.csv"), gap) == pytest.approx(FITTED_LATTICE[gap], rel=WITHIN)
+
+
+BESIDE = """macro flowSpaces() fespace Wh(Th, P2, periodic = [[labelLeft, y], [labelRight, y]]);
+    fespace Qh(Th, P1, periodic = [[labelLeft, y], [labelRight, y]]); // EOM
+macro flowPeriodicLabels() [labelLeft, labelRight] // EOM
+macro caseMotion(now) givenMotion(0, 0.001, -0.001, 0); // EOM
+"""
+
+
+def test_a_pocket_under_disks_is_the_same_across_the_seam_and_below_an_outlet(freefem_text, tmp_path):
+    """Three disks beside each other on a floor, periodic along it. Where the top lets through, a flux round the period is free;
+    there was no resistance then."""
+    found = []
+    for name, middle, walls, outlet in (("shut", 0.5, "labelBottom, labelTop", ""), ("open", 0.5, "labelBottom", "labelTop"),
+            ("seam", 0.0, "labelBottom", "labelTop")):
+        bodies = " ".join(f"bodyHeld(bodyDisk({(middle + k * 0.3125) % 1}, 0.16, 0.15, 1));" for k in (-1, 0, 1))
+        text = case(f"{{ {bodies} }}", walls=walls, outlet=outlet, more=BESIDE, gravity=0, mu=1)
+        freefem_text(text.replace("flowPeriodX = 0", "flowPeriodX = 1"), "-dt", 0.002, "-cfl", 0, "-tend", 0.04, "-every", 0,
+            "-forces", 1, "-film", 1, "-out", tmp_path / name)
+        forces = RunFolder(tmp_path / name).table("forces")
+        found.append([forces[c][forces["id"] == 1][-1] for c in ("fx", "fy")])
+    assert found[2] == pytest.approx(found[1], rel=0.01) and found[1] == pytest.approx(found[0], rel=0.05)
 
 
 def cornered(shape):
