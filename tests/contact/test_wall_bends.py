@@ -123,7 +123,6 @@ real[int] px(n), py(n), turn(n), r(n), aspect(n);
 int[int] id = 0:n - 1;
 for (int k = 0; k < n; ++k) f >> px[k] >> py[k] >> turn[k] >> r[k] >> aspect[k];
 contactUpdate(px, py, r, id, 0.3);
-contactEllipseHides = 0;
 contactEllipseMeasure(px, py, turn, r, aspect);
 ofstream g("{gaps}");
 g.precision(15);

@@ -145,6 +145,20 @@ def test_the_law_holds_in_a_crowd(law, mu, tmp_path):
     assert energy(velocity, spin) < energy(before, turned)
 
 
+@pytest.mark.parametrize("mu", [0.3, 2])
+def test_a_crowd_does_not_hang_on_the_unit_of_length(mu, tmp_path):
+    """In units of 1e-6 the velocities over the unit and the angular velocities are the same to 1e-6 of the largest."""
+    rows, floor = crowd(mu)
+    velocity, spin, _ = project(tmp_path, rows, floor, "coulomb", 0.1)
+    unit = 1e-6
+    rows[:, [1, 2, 3, 4, 8, 9, 10]] *= unit
+    rows[:, 6] *= unit**2
+    floor[:, :9] *= unit
+    small, turned, _ = project(tmp_path, rows, floor, "coulomb", 0.1)
+    np.testing.assert_allclose(small / unit, velocity, atol=1e-6 * np.abs(velocity).max())
+    np.testing.assert_allclose(turned, spin, atol=1e-6 * np.abs(spin).max())
+
+
 SCENE = """
 include "lib/spheres/case.idp"
 optCase("scene", "spheres with friction and without a fluid");
