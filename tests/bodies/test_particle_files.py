@@ -38,6 +38,7 @@ def test_what_is_wrong_in_a_file_of_particles_is_named(freefem_refused, reading,
     ("id,x,y,radius,density,free,turns\n0,1,1,0.1,2,0,0.5\n", "1: it turns freely"),
     ("id,x,y,radius,density,turns\n0,1,1,0.1,2,0\n", "1: it turns freely"),
     ("id,x,y,radius,density,friction\n0,1,1,0.1,2,-1\n", "coefficient of friction -1;"),
+    ("id,x,y,radius,density,restitution\n0,1,1,0.1,2,1.1\n", "coefficient of restitution 1.1;"),
 ])
 def test_a_bad_list_of_particles_is_refused(freefem, reading, tmp_path, text, words):
     file = tmp_path / "bad.csv"
