@@ -14,6 +14,13 @@ def test_a_bad_file_of_particles_is_refused_with_its_line(freefem_refused, readi
     assert complaint in freefem_refused(3, reading, "-particles", file)
 
 
+def test_a_folder_is_no_shape_file(freefem_refused, reading, tmp_path):
+    (tmp_path / "rod.csv").mkdir()
+    (tmp_path / "disks.csv").write_text("id,x,y,radius,density,shape\n5,1,2,0.1,2,rod.csv\n")
+    said = freefem_refused(3, reading, "-particles", tmp_path / "disks.csv")
+    assert "names a folder" in said or "particles with a shape" in said  # by the awk of the machine
+
+
 @pytest.mark.parametrize("head, row, complaint", [
     ("id,x,y,radius,mass", "5,1,2,0.1,2", "the column 'mass'"),
     ("id,x,y,radius,density,x", "5,1,2,0.1,2,1", "the column 'x'"),
