@@ -12,11 +12,11 @@ WORDS = 'include "lib/bodies/shapes.idp"\n'
 G, MU = 9.81, 0.3
 
 
-def run_of(freefem_text, box, folder, body, *words, arrays="", tilt=0.0, gravity=G, mu=0.001, dt=0.005):
+def run_of(freefem_text, box, folder, body, *words, arrays="", tilt=0.0, gravity=G, mu=0.001, dt=0.005, budget=1):
     """A scene of heavy bodies of any shape in a thin fluid."""
     text = case("{ " + body + " }", more=WORDS + arrays, mu=mu).replace("gravityX = 0, gravityY = -1",
         f"gravityX = {float(gravity * np.sin(tilt))!r}, gravityY = {float(-gravity * np.cos(tilt))!r}")
-    freefem_text(text, "-mesh", box, "-dt", dt, "-every", 0, "-stabilise", 0, "-budget", 1, "-out", folder, *words)
+    freefem_text(text, "-mesh", box, "-dt", dt, "-every", 0, "-stabilise", 0, "-budget", budget, "-out", folder, *words)
     return RunFolder(folder)
 
 
@@ -46,6 +46,21 @@ def test_a_block_on_an_incline_sticks_or_slides(kind, tilt, long_box, freefem_te
     assert set(last["sliding"][-2:]) == {float(slides)} and rub.sum() / press.sum() == pytest.approx(min(np.tan(a), MU), rel=0.003)
     height, half = {"square": (0.08, 0.08), "capsule": (0.06, 0.1), "clump": (0.08, 0.08)}[kind]
     assert np.ptp(press) / press.sum() == pytest.approx(min(np.tan(a), MU) * height / half, rel=0.01)
+
+
+def test_who_enters_later_keeps_its_friction(long_box, freefem_text, tmp_path):
+    """A capsule and disks fall on an incline: they roll with 2/3 g sin a, slide with g (sin a - mu cos a), or lie."""
+    a = np.radians(30)
+    body = """queueShape(bodyRough(bodyCapsule(0.4, 0.17, 0.1, 0.06, 0, 1000), 0.9), 0); queueShape(bodyCapsule(0.9, 0.17, 0.1, 0.06, 0,
+        1000), 0); queueRough(queueAt(1.3, 0.101, 0.1, 1000, 0), 0.7); queueRough(queueAt(1.7, 0.101, 0.1, 1000, 0), 0.1);"""
+    run = run_of(freefem_text, long_box, tmp_path / "run", body, "-friction", 0, "-friction-wall", 1, "-film", 0, "-tend", 0.35,
+        tilt=a, budget=0)
+    drive, press = G * np.sin(a), G * np.cos(a)
+    for k, exact in enumerate([0, drive, 2 / 3 * drive, drive - 0.1 * press]):
+        rows = run.tracks[k]
+        late = rows["t"] > 0.25
+        rate = np.polyfit(rows["t"][late], rows["u"][late], 1)[0]
+        assert rate == pytest.approx(exact, abs=0.01 * drive), k
 
 
 @pytest.mark.parametrize("mu, u, omega, sticks", [(0.3, 1, 0, False), (0.9, 0.2, 2, True)])

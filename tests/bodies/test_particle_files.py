@@ -14,6 +14,13 @@ def test_a_bad_file_of_particles_is_refused_with_its_line(freefem_refused, readi
     assert complaint in freefem_refused(3, reading, "-particles", file)
 
 
+def test_a_folder_is_no_shape_file(freefem_refused, reading, tmp_path):
+    (tmp_path / "rod.csv").mkdir()
+    (tmp_path / "disks.csv").write_text("id,x,y,radius,density,shape\n5,1,2,0.1,2,rod.csv\n")
+    said = freefem_refused(3, reading, "-particles", tmp_path / "disks.csv")
+    assert "names a folder" in said or "particles with a shape" in said  # by the awk of the machine
+
+
 @pytest.mark.parametrize("head, row, complaint", [
     ("id,x,y,radius,mass", "5,1,2,0.1,2", "the column 'mass'"),
     ("id,x,y,radius,density,x", "5,1,2,0.1,2,1", "the column 'x'"),
@@ -38,6 +45,7 @@ def test_what_is_wrong_in_a_file_of_particles_is_named(freefem_refused, reading,
     ("id,x,y,radius,density,free,turns\n0,1,1,0.1,2,0,0.5\n", "1: it turns freely"),
     ("id,x,y,radius,density,turns\n0,1,1,0.1,2,0\n", "1: it turns freely"),
     ("id,x,y,radius,density,friction\n0,1,1,0.1,2,-1\n", "coefficient of friction -1;"),
+    ("id,x,y,radius,density,restitution\n0,1,1,0.1,2,1.1\n", "coefficient of restitution 1.1;"),
 ])
 def test_a_bad_list_of_particles_is_refused(freefem, reading, tmp_path, text, words):
     file = tmp_path / "bad.csv"

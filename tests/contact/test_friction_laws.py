@@ -210,6 +210,9 @@ GOOD = "7,0.5,0.1,0.05,1,1e-3,0.3,0,-1,0"
 
 @pytest.mark.parametrize("row, words", [
     ("7,0.5,0.1,0.05,1,1e-3,-0.1,0,-1,0", "particle 7 has the coefficient of friction -0.1; it must be 0 or more"),
+    ("7,0.5,0.1,0.05,1,1e-3,1e6,0,-1,0", "the coefficient of friction 1e+06; it must be 0 or more, and below 1e6"),
+    ("7,0.5,0.1,0.05,1,0,0.3,0,-1,0", "particle 7 has the moment of inertia 0; it must be above 0"),
+    ("7,0.5,0.1,0.05,1,-1e-3,0.3,0,-1,0", "particle 7 has the moment of inertia -0.001; it must be above 0"),
     ("7,0.5,0.1,0.05,1,1e-3,nan,0,-1,0", "row 2: 'nan' is not a finite number"),
     ("7,0.5,0.1,0.05,1,1e-3,0.3,0,-1,inf", "row 2: 'inf' is not a finite number"),
     ("7,0.5,0.1,0.05,1,1e-3,0.3,0,-1", "row 2: 9 columns, not 10"),
@@ -217,6 +220,15 @@ GOOD = "7,0.5,0.1,0.05,1,1e-3,0.3,0,-1,0"
 def test_bad_disks_are_named(refused, row, words):
     lines = refused(row)
     assert sum(words in line for line in lines) == 1 and len(lines) == 2
+
+
+def test_a_disk_of_a_great_inertia_slides_with_what_stops_it(tmp_path):
+    """It does not turn: all of its speed along the wall is stopped by friction, m u, and not a third of it."""
+    (tmp_path / "bodies.csv").write_text(f"{HEADER}\n7,0.5,0.05,0.05,1,1e30,0.3,0.1,-1,0\n8,0.7,0.05,0.05,1,1.25e-3,0.3,0.1,-1,0\n")
+    (tmp_path / "walls.csv").write_text("x1,y1,x2,y2,friction\n0,0,1,0,0.3\n")
+    q, contacts = solved(tmp_path, tmp_path / "bodies.csv", tmp_path / "walls.csv", "coulomb")
+    assert q == pytest.approx(np.array([[0, 0, 0], [0.1 * 2 / 3, 0, -0.1 / 3 * 0.05 / 1.25e-3]]), abs=1e-9)
+    assert contacts[:, 3] == pytest.approx([0.1, 0.1 / 3], rel=1e-9)
 
 
 def test_tables_without_the_columns_of_friction_and_bad_walls_are_refused(refused):

@@ -278,11 +278,11 @@ def test_a_run_goes_on_bit_for_bit(scene, tmp_path):
 
 
 def test_shapes_from_files(scene, tmp_path):
-    """A particle file that names shape files; the same scene by functions."""
+    """A particle file that names shape files, whose radius does not count."""
     (tmp_path / "rod.csv").write_text("part,closed,x,y,radius\n0,0,1,1,0.05\n0,0,1.4,1,0.05\n")
     (tmp_path / "tee.csv").write_text("part,closed,x,y,radius\n0,1,0,0,0.01\n0,1,0.4,0,0.01\n0,1,0.4,0.1,0.01\n0,1,0,0.1,0.01\n"
         "1,0,0.2,0.1,0.03\n1,0,0.2,0.3,0.03\n")
-    rows = [f"1,0,1,1,1000,0.3,{tmp_path}/rod.csv", f"5,1,1,1,1000,0,{tmp_path}/tee.csv", "7,2,1,0.2,500,0,",
+    rows = [f"1,0,1,0,1000,0.3,{tmp_path}/rod.csv", f"5,1,1,1,1000,0,{tmp_path}/tee.csv", "7,2,1,0.2,500,0,",
         f"8,3,1,1,800,-0.2,{tmp_path}/rod.csv"]
     file = tmp_path / "particles_in.csv"
     file.write_text("id,x,y,radius,density,theta,shape\n" + "\n".join(rows) + "\n")
