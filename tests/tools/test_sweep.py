@@ -177,7 +177,8 @@ def test_folders_of_runs_have_plain_names_of_their_own(tmp_path):
 @pytest.mark.parametrize("words, says", [
     (["nothing.edp", "--vary", "a=1", "--quantity", Y], "no script"), (["CASE", "--vary", "a", "--quantity", Y], "must be PARAM"),
     (["CASE", "--vary", "a=1,1.0", "--quantity", Y], "one value twice"), (["CASE", "--vary", "a=1", "a=2", "--quantity", Y],
-        "a twice"), (["CASE", "--vary", "a=3:1", "--quantity", Y], "no range"), (["CASE", "--vary", "a=1:1e9", "--quantity", Y],
+        "a twice"), (["CASE", "--vary", "a=3:1", "--quantity", Y], "no range"), (["CASE", "--vary", "a=0.1:0.3", "--quantity", Y],
+        "does not reach 0.3 in steps of 1"), (["CASE", "--vary", "a=0:1:0.3", "--quantity", Y], "does not reach 1 in steps of 0.3"), (["CASE", "--vary", "a=1:1e9", "--quantity", Y],
         "more than"), (["CASE", "--vary", "a=1,", "--quantity", Y], "empty value"),
     (["CASE", "--vary", "a=1", "--quantity", "particles.csv:y"], "known are"), (["CASE", "--vary", "a=1", "--quantity", "no_such"],
         "no quantity no_such"), (["CASE", "--vary", "a=1", "--quantity", Y, Y], "one quantity twice"),
