@@ -29,6 +29,18 @@ def fold_powers(figure):
                 axis.set_label_text(with_power(axis.get_label_text(), int(found.group(1))))
 
 
+def thin_labels(figure):
+    """Where the names of ordinates of panels below each other overlap, as of long thin domains, the middle panel alone keeps its
+    own."""
+    named = [axes for axes in figure.axes if not getattr(axes, "is_bar", False) and axes.get_ylabel()]
+    for label in {axes.get_ylabel() for axes in named}:
+        alike = sorted((axes for axes in named if axes.get_ylabel() == label), key=lambda axes: axes.get_position().y0)
+        boxes = [axes.yaxis.label.get_window_extent() for axes in alike]
+        if any(one.overlaps(other) for one, other in zip(boxes, boxes[1:])):
+            for axes in alike:
+                axes.set_ylabel(label if axes is alike[len(alike) // 2] else "")
+
+
 def plain(text):
     """A label without the signs of its formulas, as long as it is on paper."""
     return re.sub(r"[$^{}\\]", "", text)

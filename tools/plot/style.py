@@ -16,7 +16,7 @@ from tools.base.command import BadInput  # noqa: E402
 from tools.base.mesh_files import AXIS, OPEN, SOLID, chains  # noqa: E402
 from tools.base.outlines import placed  # noqa: E402
 from tools.base.run_folder import own  # noqa: E402
-from tools.plot.captions import LETTER, fold_powers, plain  # noqa: E402
+from tools.plot.captions import LETTER, fold_powers, plain, thin_labels  # noqa: E402
 
 FIELD_MAP, SIGNED_MAP = "viridis", "RdBu_r"
 SHOWN = ("speed", "vorticity", "stream")  # what of a field is drawn
@@ -318,15 +318,19 @@ def title(run, what, inches):
 
 
 def time_text(t, unit="s", last=None):
-    """A time for a title; with the last time of the run, all of them with as many decimals."""
+    """A time for a title; with the last time of the run, all of them with as many decimals, or the same power of ten."""
     if last is None or not last > 0:
         return f"t = {t:.4g} {unit}"
+    if not 1e-3 <= last < 1e6:
+        power = int(np.floor(np.log10(last)))
+        return f"t = {t / 10.0**power:.2f}e{power:+03d} {unit}"
     return f"t = {t:.{max(0, 2 - int(np.floor(np.log10(last))))}f} {unit}"
 
 
 def save(figure, path):
     """Write the figure and let it go. Returns the path."""
     fold_powers(figure)
+    thin_labels(figure)
     figure.savefig(path, bbox_inches="tight", pad_inches=0.08)  # labels as wide as they are
     plt.close(figure)
     return own(path)
