@@ -48,8 +48,8 @@ def test_carried_particles_without_a_mesh_have_their_walls_their_units_and_no_sp
 def test_what_is_too_small_to_be_seen_is_a_dot_in_every_picture(tmp_path, monkeypatch):
     """A grain of 0.1 mm in 0.3 m had less than a pixel in tools.plot; a ball among them keeps its size, and colours stay."""
     (tmp_path / "run.json").write_text(json.dumps({"case": "grains", "status": "finished", "parameters": {}}))
-    write_csv(tmp_path / "particles.csv", "step t id x y theta u v omega radius".split(), [[k, 0.1 * k, one, 0.1 * one, 0.1 + 0.01 * k,
-        0, 0.1 * one, 0, 0, radius] for k in range(3) for one, radius in enumerate((1e-4, 1e-4, 0.02))])
+    write_csv(tmp_path / "particles.csv", "step t id x y theta u v omega radius".split(), [[k, 0.1 * k, one, 0.1 * one,
+        0.1 + 0.01 * k, 0, 0.1 * one, 0, 0, radius] for k in range(3) for one, radius in enumerate((1e-4, 1e-4, 0.02))])
     write_csv(tmp_path / "steps.csv", ["step", "t"], [[k, 0.1 * k] for k in range(3)])
     figures = []
     for module in (plot, plot_transport):

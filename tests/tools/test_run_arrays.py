@@ -49,7 +49,8 @@ def test_the_page_on_python_runs(fallen, tmp_path, monkeypatch, capsys):
 def test_the_notebook_has_the_cells_of_the_page_and_runs(fallen, tmp_path, monkeypatch, capsys):
     """Its code, cell by cell in one namespace, as Jupyter runs it."""
     book = json.loads((ROOT / notebook.NOTEBOOK).read_text())
-    assert (book["nbformat"], book["nbformat_minor"]) == (4, 5) and len({cell["id"] for cell in book["cells"]}) == len(book["cells"])
+    assert (book["nbformat"], book["nbformat_minor"]) == (4, 5)
+    assert len({cell["id"] for cell in book["cells"]}) == len(book["cells"])
     code = ["".join(cell["source"]) for cell in book["cells"] if cell["cell_type"] == "code"]
     assert code[1:] == [block.strip() for block in BLOCKS] and notebook.FIRST == code[0]
     monkeypatch.chdir(ROOT / "docs/guide")

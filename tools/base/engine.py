@@ -144,7 +144,8 @@ def claimed(folders):
             try:
                 fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
-                raise BadInput(f"another sweep or study makes runs in {folder}; wait until it ends, or give another --out") from None
+                raise BadInput(f"another sweep or study makes runs in {folder}; wait until it ends, or give another "
+                    "--out") from None
             except OSError:
                 pass
         yield

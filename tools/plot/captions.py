@@ -87,8 +87,8 @@ def contain(figure, pad=0.04):
     size = width + left + right, height + below + above
     for axes in figure.axes:
         place = axes.get_position()
-        axes.set_position([(place.x0 * width + left) / size[0], (place.y0 * height + below) / size[1], place.width * width / size[0],
-            place.height * height / size[1]])
+        axes.set_position([(place.x0 * width + left) / size[0], (place.y0 * height + below) / size[1],
+            place.width * width / size[0], place.height * height / size[1]])
     for text in figure.texts:
         x, y = text.get_position()
         text.set_position(((x * width + left) / size[0], (y * height + below) / size[1]))

@@ -219,7 +219,8 @@ def particle_artists(axes, particles, zorder=5, clip=None, spokes=True, look=Non
         drawn = axes.scatter(np.asarray(x)[dots], np.asarray(y)[dots], DOT**2, shades, linewidths=0, zorder=zorder)
         clip_to(axes, drawn, clip)
         others = [faces[k] for k in np.flatnonzero(~dots)], held[~dots]
-        return [drawn, *particle_artists(axes, [np.asarray(one)[~dots] for one in particles], zorder, clip, spokes, others, outlines)]
+        rest = [np.asarray(one)[~dots] for one in particles]
+        return [drawn, *particle_artists(axes, rest, zorder, clip, spokes, others, outlines)]
     # The rim is drawn inside, so that a thick pen does not make touching disks overlap.
     shapes = [patches_of(outlines, one, (a, b), t, r, s) for one, a, b, t, r, s in zip(ids, x, y, theta, radius, minor)]
     groups = []
