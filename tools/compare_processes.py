@@ -1,7 +1,8 @@
 """python -m tools.compare_processes [-n 2] CASE.edp [options of the case]: one run on one process and on several, compared.
 
 Prints a row of a table: the largest difference of the CSVs, each column's over its largest value (without columns of computing
-times, and of values below 1e-5, which are rounding); memory of the largest process and the user CPU time of each, of both runs.
+times); memory of the largest process and the user CPU time of each, of both runs. A column that hardly differs from 0, as the flux
+through a closed box, counts over 1e-5 of what its unit is in the run: of the domain's length, the largest speed and kinetic energy.
 Processes that wait for each other compute meanwhile, so that CPU times of a busy machine are too long.
 
 Exit statuses: 0; 1 where the tables differ in their rows or by more than 1e-6; 3 bad input, or a run that does not end well.
@@ -11,35 +12,72 @@ import csv
 import tempfile
 from pathlib import Path
 
-from tools.base.command import BadInput, Parser, guarded
-from tools.base.ranks import run_on
+import numpy as np
 
-SMALL = 1e-5  # a column below this, in the units of the case, is itself rounding
+from tools.base.command import BadInput, Parser, guarded
+from tools.base.expressions import PER_DEPTH, POWERS
+from tools.base.ranks import run_on
+from tools.base.run_folder import RunFolder
+
+SMALL = 1e-5  # a column below this part of its unit in the run is itself rounding
 MOST = 1e-6
+SPEED, ENERGY = (1, -1, 0), (1, -2, 1)
+
+
+def tables_of(folder):
+    """{name: {column: texts}} of the CSVs of a run folder."""
+    found = {}
+    for path in sorted(Path(folder).glob("*.csv")):
+        head, *rows = csv.reader(open(path))
+        found[path.name] = {column: [row[k] for row in rows] for k, column in enumerate(head)}
+    return found
+
+
+def units_of(folder, tables):
+    """{column: what its unit is in the run}, where the unit is known: of powers of the length of the domain, of the largest speed and
+    of the kinetic energy. Empty where nothing moves."""
+    run, largest = RunFolder(folder), {SPEED: 0.0, ENERGY: 0.0}
+    for columns in tables.values():
+        for column, texts in columns.items():
+            if (powers := POWERS.get(column)) in largest:
+                largest[powers] = max(largest[powers], *map(abs, map(float, texts)), 0.0)
+    if not largest[SPEED] > 0:
+        return {}
+    length, in_space = max(run.extent[len(run.extent) // 2:]), run.in_space
+    time = length / largest[SPEED]
+
+    def of(powers, mass=1.0):
+        """A product of powers of length, time and mass."""
+        return length**(powers[0] + (in_space and powers in PER_DEPTH)) * time**powers[1] * mass**powers[2]
+    mass = largest[ENERGY] / of(ENERGY)
+    return {column: of(powers, mass) for column, powers in POWERS.items()}
 
 
 def difference(one, many):
-    """Largest difference of the CSVs of two run folders, each column's over its largest value; inf where tables, their columns or
-    their rows differ."""
-    most = 0.0
-    if {path.name for path in Path(one).glob("*.csv")} != {path.name for path in Path(many).glob("*.csv")}:
+    """Largest difference of the CSVs of two run folders, each column's over its largest value or SMALL of its unit; inf where tables,
+    their columns or their rows differ."""
+    here, there = tables_of(one), tables_of(many)
+    if {name: list(table) for name, table in here.items()} != {name: list(table) for name, table in there.items()}:
         return float("inf")
-    for path in sorted(Path(one).glob("*.csv")):
-        tables = [list(csv.DictReader(open(folder / path.name))) for folder in (Path(one), Path(many))]
-        if len(tables[0]) != len(tables[1]) or tables[0] and list(tables[0][0]) != list(tables[1][0]):
-            return float("inf")
-        for column in tables[0][0] if tables[0] else ():
+    most, units = 0.0, units_of(one, here)
+    for name, table in here.items():
+        for column, texts in table.items():
             if column.startswith("time_"):
                 continue
+            others = there[name][column]
+            if len(texts) != len(others):
+                return float("inf")
             try:
-                first, second = ([float(row[column]) for row in table] for table in tables)
+                first, second = np.array(texts, float), np.array(others, float)
             except ValueError:  # words
-                if any(a[column] != b[column] for a, b in zip(*tables)):
+                if texts != others:
                     return float("inf")
                 continue
-            largest = max(map(abs, first))
-            if largest > SMALL:
-                most = max(most, max(abs(a - b) for a, b in zip(first, second)) / largest)
+            number = np.isfinite(first)
+            if not np.array_equal(first[~number], second[~number], equal_nan=True) or not np.isfinite(second[number]).all():
+                return float("inf")
+            if (apart := abs(first - second)[number].max(initial=0)) > 0:
+                most = max(most, float(apart / max(abs(first[number]).max(), SMALL * units.get(column, 0.0), 1e-300)))
     return most
 
 

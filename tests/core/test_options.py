@@ -65,6 +65,11 @@ def test_numbers_are_read(freefem_text, words, place, expected):
     [
         (["-tned", "1"], "unknown option -tned; the nearest is -tend"),
         (["-Number", "1"], "the nearest is -number"),
+        (["-DT", "0.1"], "unknown option -DT; the nearest is -dt (time step)"),
+        (["dt", "0.1"], "unknown option dt; the nearest is -dt"),
+        (["-share", "0.1", "-dt=0.1"], "unknown option -dt=0.1; option and value are two words: -dt VALUE; -help"),
+        (["--nmber=1", "-dt", "0.1"], "unknown option --nmber=1; option and value are two words: -number VALUE; -help"),
+        (["-=1"], "unknown option -=1; option and value are two words; -help"),
         (["stray"], "unknown option stray"),
         (["-tend"], "-tend needs a value"),
         (["-tend", "1", "-tend", "2"], "given twice"),

@@ -1,5 +1,6 @@
 """Domains of one's own: gmsh scripts and meshes with named sides, and what is refused of them."""
 import re
+import signal
 import subprocess
 import sys
 import time
@@ -243,3 +244,29 @@ def test_a_gmsh_that_does_not_end_is_told(monkeypatch, capsys):
     assert "note: gmsh has been at work for 0.05 s" in capsys.readouterr().err
     monkeypatch.setattr(unstructured, "PATIENCE", 60.0)
     assert unstructured.with_gmsh(lambda gmsh: 8, "no") == 8 and capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("number, status", [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_gmsh_at_work_is_stopped_at_once(tmp_path, number, status):
+    """Before: it ended when gmsh did, here after minutes, and a session of gmsh made SIGTERM end without a line."""
+    work = f"""
+import pathlib
+from tools.base.command import guarded
+from tools.meshing.unstructured import with_gmsh
+def work(gmsh):
+    gmsh.model.occ.addRectangle(0, 0, 0, 1, 1)
+    gmsh.model.occ.synchronize()
+    gmsh.option.setNumber("Mesh.MeshSizeMax", 3e-4)
+    pathlib.Path({str(tmp_path / "begun")!r}).touch()
+    gmsh.model.mesh.generate(2)
+guarded(lambda: with_gmsh(work, "no mesh"))
+"""
+    tool = subprocess.Popen([sys.executable, "-c", work], cwd=ROOT, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+    end = time.monotonic() + 60
+    while not (tmp_path / "begun").is_file() and time.monotonic() < end:
+        time.sleep(0.05)
+    time.sleep(0.5)
+    tool.send_signal(number)
+    said = tool.communicate(timeout=20)[1]
+    assert tool.returncode == status and said.startswith("stopped by ") and said.count("\n") == 1

@@ -69,7 +69,9 @@ def test_pieces_that_share_no_side_are_refused(freefem_text, tmp_path):
         np.tile(one.labels, 2))
     assert "2 pieces" in space_mesh.faults(two)[0]
     space_mesh.write(two, tmp_path / "two.mesh")
-    for name, words in (("two.mesh", "is in pieces that share no side"), ("two.msh", "is one of gmsh; convert it")):
-        (tmp_path / "two.msh").write_text("$MeshFormat\n")
+    (tmp_path / "two.msh").write_text("$MeshFormat\n")
+    (tmp_path / "bin.msh").write_bytes(b"$MeshFormat\n4.1 1 8\n\x01\0\0\0")  # of which it was said: no plain text
+    for name, words in (("two.mesh", "is in pieces that share no side"), ("two.msh", "is one of gmsh; convert it"),
+            ("bin.msh", "is one of gmsh; convert it")):
         done = freefem_text(f'include "lib/spheres/read_mesh.idp"\nmesh3 Th = spaceRead("{tmp_path}/{name}");', check=False)
         assert done.returncode == 3 and words in done.stderr, done.stderr

@@ -123,7 +123,7 @@ def test_what_cannot_go_on_is_refused(mesh, unbroken, tmp_path):
 
     before = (unbroken / "fluid.csv").read_bytes()
     assert "no complete checkpoint" in refused(CASE, *mesh, *WHOLE, "-restart", tmp_path / "nothing")
-    assert "other options (-reynolds=1000)" in refused(CASE, *mesh, *WHOLE, "-reynolds", "500", "-restart", unbroken)
+    assert "other options (-reynolds 1000)" in refused(CASE, *mesh, *WHOLE, "-reynolds", "500", "-restart", unbroken)
     assert "past -tend" in refused(CASE, *mesh, *SCENE, "-tend", "0.02", *OFTEN, "-restart", unbroken)
     assert "is of the case" in refused("cases/settling_disk.edp", "-restart", unbroken)
     assert "another mesh" in refused(CASE, *WHOLE, "-restart", unbroken, "-out", tmp_path / "other")

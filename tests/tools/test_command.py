@@ -1,6 +1,13 @@
 """What all command lines of the tools share: an option replaces no earlier one of its name."""
+import os
+import signal
+import subprocess
+import sys
+import time
+
 import pytest
 
+from tests.conftest import ROOT
 from tools.base.command import Parser
 
 
@@ -40,3 +47,17 @@ def test_subcommands_do_so_too(capsys):
     with pytest.raises(SystemExit):
         top.parse_args(["one", "--size", "2", "--size", "3"])
     assert "given twice" in capsys.readouterr().err
+
+
+def test_the_keyboard_stops_a_tool_that_reads_its_packages(tmp_path):
+    """Large packages take a second or two; before, that ended with a traceback."""
+    (tmp_path / "matplotlib.py").write_text(f"import pathlib, time\npathlib.Path({str(tmp_path / 'begun')!r}).touch()\ntime.sleep(60)\n")
+    tool = subprocess.Popen([sys.executable, "-m", "tools.plot", "run"], cwd=ROOT, stderr=subprocess.PIPE, text=True, env=os.environ
+        | {"PYTHONPATH": str(tmp_path)}, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+    end = time.monotonic() + 60
+    while not (tmp_path / "begun").is_file() and time.monotonic() < end:
+        time.sleep(0.05)
+    time.sleep(0.2)
+    tool.send_signal(signal.SIGINT)
+    said = tool.communicate(timeout=20)[1]
+    assert said == "stopped by the keyboard\n" and tool.returncode in (-signal.SIGINT, 130)

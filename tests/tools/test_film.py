@@ -45,6 +45,22 @@ def test_title_and_colour_bar_of_a_film_keep_apart_and_in_the_picture(run, exten
     plt.close(figure)
 
 
+@pytest.mark.parametrize("extent", [(0, -0.0125, 0.06, 0.025), (0, -1.25e-3, 6e-3, 2.5e-3), (0, -12500, 60000, 25000)])
+def test_labels_of_a_film_are_whole(run, extent, monkeypatch):
+    """Numbers with many figures pushed the name of the ordinate out of the picture, whose size a film does not fit to them."""
+    made = []
+    monkeypatch.setattr(film, "panels", lambda *given, **more: made.append(panels(*given, **more)) or made[0])
+    run.__dict__["extent"] = extent
+    shots = film.pictures(run, [t for t, _ in run.frames])
+    sizes = {next(shots).shape, next(shots).shape}
+    figure, (axes,), _ = made[0]
+    name = axes.yaxis.label.get_window_extent()
+    ticks = [label.get_window_extent() for label in axes.get_yticklabels() if label.get_text()]
+    assert len(sizes) == 1 and name.x0 >= 0 and max(len(label.get_text()) for label in axes.get_yticklabels()) >= 4
+    assert ticks and not any(name.overlaps(tick) for tick in ticks)
+    plt.close(figure)
+
+
 def snapshots(*meshes):
     """A stand-in of a run with fields 0, 10, 20, ... at t = 0, 1, 2, ..., on these numbers of triangles."""
     def field(k):

@@ -11,7 +11,7 @@ from tools.base.mesh_files import SIDES
 from tools.base.run_folder import RunFolder
 from tools.meshing.labels import NAMES
 from tools.plot import captions, colour, overlays, resolved as plot, series as timeline
-from tools.plot.style import panels, plt
+from tools.plot.style import frame, panels, plt, time_text
 
 
 @pytest.fixture
@@ -177,3 +177,34 @@ def test_forces_need_the_length_of_a_step(bodies):
     bodies.fluid.pop("dt")
     with pytest.raises(BadInput, match="no table tells the length of the step"):
         overlays.plot_chains(bodies, None)
+
+
+@pytest.mark.parametrize("high, names", [(0.05, 1), (0.6, 3)])
+def test_names_of_ordinates_of_long_thin_panels_do_not_overlap(high, names):
+    """In a slit of 40 by 2 micrometres the names of three panels lay on each other."""
+    extent = (0, 0, 1e-5, high * 1e-5)
+    figure, axes, _ = panels(3, extent)
+    for one in axes:
+        frame(one, extent, "m")
+    captions.fold_powers(figure)
+    captions.thin_labels(figure)
+    kept = [one.yaxis.label.get_window_extent() for one in axes if one.get_ylabel()]
+    assert len(kept) == names and all("10^{-" in one.get_ylabel() for one in axes if one.get_ylabel())
+    assert not any(one.overlaps(other) for one, other in zip(kept, kept[1:]))
+    plt.close(figure)
+
+
+@pytest.mark.parametrize("t, last, text", [(1e-6, 2e-6, "t = 1.00e-06 s"), (0, 2e-6, "t = 0.00e-06 s"), (0.25, 2, "t = 0.25 s"),
+    (1.5e9, 3.1e9, "t = 1.50e+09 s"), (0.002, 0.01, "t = 0.0020 s"), (1250, 5000, "t = 1250 s"), (1e-7, None, "t = 1e-07 s")])
+def test_times_in_titles_have_few_figures(t, last, text):
+    assert time_text(t, "s", last) == text
+
+
+def test_chains_without_contacts_have_no_colour_bar(tmp_path, monkeypatch):
+    folder = write_run(tmp_path / "run", number=3, steps=4)
+    write_csv(folder / "contacts.csv", "t i j gap nx ny impulse".split(), [[5.0, 0, 1, 0, 1, 0, 1e-3]])  # at no row below
+    figures = drawn(monkeypatch, overlays)
+    overlays.plot_chains(RunFolder(folder), None, [0.0, 0.5])
+    assert not any(getattr(axes, "is_bar", False) for axes in figures[0].axes)
+    assert all("no contact" in axes.get_title() for axes in figures[0].axes)
+    plt.close(figures[0])

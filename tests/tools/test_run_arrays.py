@@ -1,5 +1,8 @@
 """A run as arrays, frames and grids; the page that shows them, executed; what a folder holds, in lines."""
+import json
 import re
+import sys
+from pathlib import Path
 
 import meshio
 import numpy as np
@@ -9,6 +12,7 @@ from tests.conftest import ROOT, run_freefem, run_tool
 from tests.synthetic import write_csv
 from tools.base import run_arrays
 from tools.base.command import BadInput
+from tools.docs import notebook
 from tools.run_folder import RunFolder
 
 BLOCKS = re.findall(r"```python\n(.*?)```", (ROOT / "docs/guide/python.md").read_text(), flags=re.S)
@@ -40,6 +44,25 @@ def test_the_page_on_python_runs(fallen, tmp_path, monkeypatch, capsys):
     assert np.array_equal(bodies.y[:, 0], run.particles["y"]) and bodies.of(0)["v"][-1] == run.particles["v"][-1] < 0
     assert names["velocity"].shape == (3, len(run.field(0)[0].points), 2) and names["times"][-1] == pytest.approx(0.01)
     assert names["fastest"] == pytest.approx(np.hypot(*run.field(2)[1]["velocity"].T).max())
+
+
+def test_the_notebook_has_the_cells_of_the_page_and_runs(fallen, tmp_path, monkeypatch, capsys):
+    """Its code, cell by cell in one namespace, as Jupyter runs it."""
+    book = json.loads((ROOT / notebook.NOTEBOOK).read_text())
+    assert (book["nbformat"], book["nbformat_minor"]) == (4, 5)
+    assert len({cell["id"] for cell in book["cells"]}) == len(book["cells"])
+    code = ["".join(cell["source"]) for cell in book["cells"] if cell["cell_type"] == "code"]
+    assert code[1:] == [block.strip() for block in BLOCKS] and notebook.FIRST == code[0]
+    monkeypatch.chdir(ROOT / "docs/guide")
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    names = {}
+    exec(compile(code[0], "the first cell", "exec"), names)
+    assert Path.cwd() == ROOT and sys.path[0] == str(ROOT)
+    for k, cell in enumerate(code[1:], 1):
+        if not needs_more(cell):
+            cell = cell.replace("results/falling", str(fallen)).replace("falling.png", str(tmp_path / "falling.png"))
+            exec(compile(cell, f"cell {k}", "exec"), names)
+    assert "largest speed at the end" in capsys.readouterr().out and (tmp_path / "falling.png").is_file()
 
 
 def test_the_page_runs_with_pandas_and_pyvista(fallen, capsys):

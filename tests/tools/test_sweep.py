@@ -99,6 +99,16 @@ def test_failures_are_rows_with_their_reason(case, tmp_path, capsys):
     assert json.loads((out / "runs/a=6.json").read_text())["status"] == 4
 
 
+def test_a_second_sweep_in_the_same_folder_is_refused_while_the_first_one_runs(case, tmp_path):
+    """The runs of each failed where the other one wrote, and the table was that of whoever ended last."""
+    words = [str(case), "--vary", "a=1,2", "--quantity", Y, "--out", str(tmp_path / "out")]
+    with engine.claimed({tmp_path / "out/runs"}):
+        with pytest.raises(BadInput, match="another sweep or study makes runs in .*out/runs; wait"):
+            sweep_tool.main(words)
+        assert not (tmp_path / "out/sweep.csv").exists() and not list((tmp_path / "out/runs").iterdir())
+    assert sweep_tool.main(words) == 0 and made(tmp_path / "out") == 2
+
+
 def test_a_killed_run_is_made_again_the_next_time(case, tmp_path):
     out = tmp_path / "out"
     words = [str(case), "--vary", "b=1", "--quantity", Y, "--out", str(out), "--", "-kill", "1"]
@@ -177,7 +187,9 @@ def test_folders_of_runs_have_plain_names_of_their_own(tmp_path):
 @pytest.mark.parametrize("words, says", [
     (["nothing.edp", "--vary", "a=1", "--quantity", Y], "no script"), (["CASE", "--vary", "a", "--quantity", Y], "must be PARAM"),
     (["CASE", "--vary", "a=1,1.0", "--quantity", Y], "one value twice"), (["CASE", "--vary", "a=1", "a=2", "--quantity", Y],
-        "a twice"), (["CASE", "--vary", "a=3:1", "--quantity", Y], "no range"), (["CASE", "--vary", "a=1:1e9", "--quantity", Y],
+        "a twice"), (["CASE", "--vary", "a=3:1", "--quantity", Y], "no range"), (["CASE", "--vary", "a=0.1:0.3", "--quantity", Y],
+        "does not reach 0.3 in steps of 1"),
+    (["CASE", "--vary", "a=0:1:0.3", "--quantity", Y], "does not reach 1 in steps of 0.3"), (["CASE", "--vary", "a=1:1e9", "--quantity", Y],
         "more than"), (["CASE", "--vary", "a=1,", "--quantity", Y], "empty value"),
     (["CASE", "--vary", "a=1", "--quantity", "particles.csv:y"], "known are"), (["CASE", "--vary", "a=1", "--quantity", "no_such"],
         "no quantity no_such"), (["CASE", "--vary", "a=1", "--quantity", Y, Y], "one quantity twice"),

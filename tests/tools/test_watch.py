@@ -49,6 +49,13 @@ def test_a_table_is_read_as_it_grows(tmp_path):
         table.read()
 
 
+def test_a_copy_of_a_finished_run_took_as_long_as_the_run(tmp_path):
+    """Times of its files are those of the copy; run.json says when the run ended."""
+    info(tmp_path, "finished", wall_s=50.0, written=stamp(BEGUN + 50)), rows(tmp_path, 100, at=1e6)
+    seen = Progress(tmp_path).look(now=BEGUN + 2e6)
+    assert seen.over and seen.since == pytest.approx(50) and seen.steps_per_second == pytest.approx(1000 / 50)
+
+
 def test_speed_and_time_left_are_those_of_the_wall_clock(tmp_path):
     info(tmp_path), rows(tmp_path, 20, at=40)
     run = Progress(tmp_path)

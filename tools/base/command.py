@@ -9,6 +9,7 @@ import os
 import re
 import signal
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
@@ -136,11 +137,17 @@ def guarded(main):
         sys.exit(BAD_INPUT)
     except Ended as problem:
         number = problem.args[0]
-        print(f"stopped by {signal.Signals(number).name}", file=sys.stderr)
-        sys.exit(128 + number)
+        leave(f"stopped by {signal.Signals(number).name}", 128 + number)
     except KeyboardInterrupt:
-        print("stopped by the keyboard", file=sys.stderr)
-        sys.exit(130)
+        leave("stopped by the keyboard", 130)
+
+
+def leave(line, status):
+    """End the process with a line. What had to be cleaned up has been; a thread of gmsh at work would crash an end by sys.exit."""
+    with suppress(OSError):  # the terminal may have gone
+        print(line, file=sys.stderr, flush=True)
+        sys.stdout.flush()
+    os._exit(status)
 
 
 def end(number, _):

@@ -11,12 +11,16 @@ A record is a dict: key (the fingerprint), status, reason (one line, empty for a
 process of the run), repeats, timing, commit, run (the folder), fresh (False where it was kept).
 """
 import concurrent.futures
+import fcntl
 import json
 import math
+import os
 import statistics
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from tools.base.command import BadInput
 from tools.base.runner import commit, fingerprint, freefem, option_words, run_case, run_command, side_by_side
 from tools.base.tables import write_text
 
@@ -129,11 +133,29 @@ def failure(folder, reason, status=3, **more):
         "wall_s": math.nan, "memory_mib": math.nan, "timing": False, **more}
 
 
+@contextmanager
+def claimed(folders):
+    """Holds the folders for this process. Raises BadInput where another one has one of them; a file system without locks has none."""
+    with ExitStack() as held:
+        for folder in sorted(folders):
+            folder.mkdir(parents=True, exist_ok=True)
+            number = os.open(folder, os.O_RDONLY)
+            held.callback(os.close, number)
+            try:
+                fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise BadInput(f"another sweep or study makes runs in {folder}; wait until it ends, or give another "
+                    "--out") from None
+            except OSError:
+                pass
+        yield
+
+
 def run_all(jobs, workers, ended=None):
     """The records of jobs in their order, of `workers` runs at a time. ended(job, record): called in this thread as each of them
     ends; what it raises ends all."""
     freefem()
-    with side_by_side(workers) as pool:
+    with claimed({job.folder.parent for job in jobs}), side_by_side(workers) as pool:
         waiting = {pool.submit(run_job, job): k for k, job in enumerate(jobs)}
         records = [None] * len(waiting)
         for future in concurrent.futures.as_completed(waiting):

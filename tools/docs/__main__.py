@@ -1,17 +1,18 @@
 """Writes the pages of docs/ that are made from the code.
 
 docs/reference/options.md from what the drivers print with -help, docs/reference/tables.md from the headers of the
-files that write the tables, docs/gallery/ from the headers of the cases and docs/gallery/cases.csv.
+files that write the tables, docs/gallery/ from the headers of the cases and docs/gallery/cases.csv,
+docs/guide/python.ipynb from docs/guide/python.md.
 The pages are kept in the repository; a test fails when they are stale. make docs builds all pages.
 """
 from tools.base.command import ROOT, Parser, guarded
-from tools.docs import gallery, options, tables
+from tools.docs import gallery, notebook, options, tables
 
 
 def made_pages():
     """The pages made from the code as they should be: a dict of path from the root: text."""
     helps = options.all_helps()
-    return options.pages(helps) | tables.pages() | gallery.pages(helps)
+    return options.pages(helps) | tables.pages() | gallery.pages(helps) | notebook.pages()
 
 
 def stale_pages(pages):

@@ -49,7 +49,10 @@ def numbers_of(text, low, high, step):
         raise BadInput(f"'{text}' is no range FIRST:LAST or FIRST:LAST:STEP with a step above 0") from None
     if (last - first) / by > MOST:
         raise BadInput(f"'{text}' has more than {MOST} values")
-    return [f"{first + k * by:.12g}" for k in range(int((last - first) / by + 1e-9) + 1)]
+    steps = round((last - first) / by)
+    if abs(first + steps * by - last) > 1e-9 * max(by, abs(last)):
+        raise BadInput(f"'{text}' does not reach {high} in steps of {by:g}; give FIRST:LAST:STEP with a step that does")
+    return [f"{first + k * by:.12g}" for k in range(steps + 1)]
 
 
 def read_vary(words, folder):

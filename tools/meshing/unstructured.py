@@ -1,4 +1,5 @@
 """Unstructured meshes by gmsh, with element sizes that grow away from given lines."""
+import signal
 import sys
 import threading
 from dataclasses import dataclass
@@ -63,24 +64,33 @@ def with_gmsh(work, refusal, options=None):
         import gmsh
     except (ImportError, OSError) as problem:
         raise BadInput(f"gmsh cannot be loaded ({problem}); make setup installs it") from None
+    done, failed = [], []
+
+    def session():
+        """The work, in a thread: Ctrl-C and SIGTERM reach the one that waits for it, at once."""
+        try:
+            # 6: frontal-Delaunay
+            for option, value in ({"General.Terminal": 0, "General.NumThreads": 1, "Mesh.Algorithm": 6} | (options or {})).items():
+                gmsh.option.setNumber(option, value)
+            done.append(work(gmsh))
+        except Exception as problem:  # gmsh raises plain Exception with its last message
+            failed.append(problem)
     gmsh.initialize(readConfigFiles=False, interruptible=False)
-    watch = threading.Timer(PATIENCE, lambda: print(f"note: gmsh has been at work for {PATIENCE:g} s; where curves cross each "
-        f"other (a hole that reaches over a side) it never ends: "
-                                                    "stop it and look at the geometry", file=sys.stderr, flush=True))
-    watch.daemon = True
-    watch.start()
-    try:
-        # 6: frontal-Delaunay
-        for option, value in ({"General.Terminal": 0, "General.NumThreads": 1, "Mesh.Algorithm": 6} | (options or {})).items():
-            gmsh.option.setNumber(option, value)
-        return work(gmsh)
-    except BadInput:
-        raise
-    except Exception as problem:  # gmsh raises plain Exception with its last message
-        raise BadInput(f"{refusal}: {problem}") from None
-    finally:
-        watch.cancel()
-        gmsh.finalize()
+    for number in (signal.SIGTERM, signal.SIGHUP):  # from which gmsh has taken their answers
+        signal.signal(number, signal.getsignal(number))
+    thread = threading.Thread(target=session, daemon=True)
+    thread.start()
+    thread.join(PATIENCE)
+    if thread.is_alive():
+        print(f"note: gmsh has been at work for {PATIENCE:g} s; where curves cross each other (a hole that reaches over a side) it "
+            "never ends: stop it and look at the geometry", file=sys.stderr, flush=True)
+        thread.join()
+    gmsh.finalize()
+    if failed and isinstance(failed[0], BadInput):
+        raise failed[0]
+    if failed:
+        raise BadInput(f"{refusal}: {failed[0]}")
+    return done[0]
 
 
 def refuse_too_many(outline, size, near):

@@ -29,6 +29,18 @@ def fold_powers(figure):
                 axis.set_label_text(with_power(axis.get_label_text(), int(found.group(1))))
 
 
+def thin_labels(figure):
+    """Where the names of ordinates of panels below each other overlap, as of long thin domains, the middle panel alone keeps its
+    own."""
+    named = [axes for axes in figure.axes if not getattr(axes, "is_bar", False) and axes.get_ylabel()]
+    for label in {axes.get_ylabel() for axes in named}:
+        alike = sorted((axes for axes in named if axes.get_ylabel() == label), key=lambda axes: axes.get_position().y0)
+        boxes = [axes.yaxis.label.get_window_extent() for axes in alike]
+        if any(one.overlaps(other) for one, other in zip(boxes, boxes[1:])):
+            for axes in alike:
+                axes.set_ylabel(label if axes is alike[len(alike) // 2] else "")
+
+
 def plain(text):
     """A label without the signs of its formulas, as long as it is on paper."""
     return re.sub(r"[$^{}\\]", "", text)
@@ -52,7 +64,10 @@ def centre(figure, text):
 
 
 def headline(figure, text):
-    """The title of a whole figure; called when its panels are there."""
+    """The title of a whole figure; called when its panels are there. It tells of bodies that are larger than they are."""
+    if any(getattr(axes, "dotted", False) for axes in figure.axes):
+        text = next((longer for longer in (f"{text} (dots: larger than they are)", f"{text} (as dots)") if LETTER * len(longer)
+            < figure.get_figwidth()), text)
     centre(figure, figure.text(0.5, 1 - 0.1 / figure.get_figheight(), text, ha="center", va="top", fontsize=10))
 
 
@@ -62,3 +77,19 @@ def second_bar(figure, bar, inches=0.86):
     axes = figure.add_axes([box.x0 + shift, box.y0, box.width, box.height])
     axes.is_bar = True
     return axes
+
+
+def contain(figure, pad=0.04):
+    """Widens a figure in which labels stand out, as far as they do; what is in it keeps its size. pad: inches beyond them."""
+    box, (width, height) = figure.get_tightbbox(), figure.get_size_inches()
+    left, right = max(0.0, pad - box.x0), max(0.0, box.x1 + pad - width)
+    below, above = max(0.0, pad - box.y0), max(0.0, box.y1 + pad - height)
+    size = width + left + right, height + below + above
+    for axes in figure.axes:
+        place = axes.get_position()
+        axes.set_position([(place.x0 * width + left) / size[0], (place.y0 * height + below) / size[1],
+            place.width * width / size[0], place.height * height / size[1]])
+    for text in figure.texts:
+        x, y = text.get_position()
+        text.set_position(((x * width + left) / size[0], (y * height + below) / size[1]))
+    figure.set_size_inches(size)

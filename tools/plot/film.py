@@ -12,7 +12,7 @@ import numpy as np
 
 from tools.base.command import BadInput
 from tools.base.run_folder import own
-from tools.plot.captions import centre, fold_powers, second_bar
+from tools.plot.captions import centre, contain, fold_powers, second_bar
 from tools.plot.colour import Look
 from tools.plot.in_time import FieldsInTime, film_times
 from tools.plot.style import (MARGINS, TWO_BARS, draw_boundary, draw_particles, draw_speed, draw_streamlines, fitting, frame,
@@ -88,6 +88,7 @@ def shot(figure):
     """A figure as a (height, width, 3) array of bytes, even in both sizes."""
     if not getattr(figure, "folded", False):
         fold_powers(figure)
+        contain(figure)
         figure.folded = True
     figure.canvas.draw()
     picture = np.asarray(figure.canvas.buffer_rgba())[:, :, :3]

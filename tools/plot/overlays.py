@@ -72,6 +72,9 @@ def plot_chains(run, path, times=None):
         when = time_text(t, run.units["time"], chosen[-1])
         many = "no contact" if not len(force) else "one contact" if len(force) == 1 else f"{len(force)} contacts"
         one.set_title(fitting([f"{when}: {many}", when, when[4:], when.split()[2]], one.room - 0.1), pad=3)
-    figure.colorbar(plt.cm.ScalarMappable(scale, FIELD_MAP), cax=bar).set_label(label)
+    if any(len(force) for *_, force in found):
+        figure.colorbar(plt.cm.ScalarMappable(scale, FIELD_MAP), cax=bar).set_label(label)
+    else:
+        bar.remove()
     headline(figure, title(run, f"forces of contacts{look.words()}", figure.get_figwidth()))
     return save(figure, path)

@@ -16,7 +16,7 @@ from tools.base.command import BadInput  # noqa: E402
 from tools.base.mesh_files import AXIS, OPEN, SOLID, chains  # noqa: E402
 from tools.base.outlines import placed  # noqa: E402
 from tools.base.run_folder import own  # noqa: E402
-from tools.plot.captions import LETTER, fold_powers, plain  # noqa: E402
+from tools.plot.captions import LETTER, fold_powers, plain, thin_labels  # noqa: E402
 
 FIELD_MAP, SIGNED_MAP = "viridis", "RdBu_r"
 SHOWN = ("speed", "vorticity", "stream")  # what of a field is drawn
@@ -28,6 +28,7 @@ CURVES = [("#0072b2", "-"), ("#d55e00", "--"), ("#009e73", "-."), ("#000000", ":
 MARKERS = "os^Dvp"
 BODY, BODY_EDGE, HELD = "#e8e8e8", "#1a1a1a", "#a6a6a6"
 BODY_MAP = "plasma"  # of bodies over a field
+DOT = 3.0  # points: the least diameter of a body that is drawn
 ROUNDING = 1e-10  # of the radius: smaller overlaps are not drawn
 PAGE_WIDTH = 7.2  # inches: fits a printed page
 DIGIT, OVERHANG = 0.073, 0.07  # inches: width of a digit of a tick's label; what of a label may stand out beside a panel
@@ -86,7 +87,7 @@ def panels(number, extent, width=PAGE_WIDTH, height=8.6, gaps=(0.2, 0.34), margi
             one.tick_params(labelleft=False)
         if k + columns < number:
             one.tick_params(labelbottom=False)
-        one.has_neighbour, one.room = columns > 1, size[0] + gap
+        one.has_neighbour, one.room, one.scale = columns > 1, size[0] + gap, scale  # inches per unit of length
         one.first_column, one.last_row = column == 0, k + columns >= number
         axes.append(one)
     bar_height = min(total[1] - bottom - top, 4.0)
@@ -205,14 +206,23 @@ def particle_artists(axes, particles, zorder=5, clip=None, spokes=True, look=Non
     """Particles as neutral disks or ellipses, each with a line from its centre to the rim at theta.
     particles: (id, x, y, theta, radius, minor) arrays; clip: (x0, y0, width, height) beyond which
     nothing is drawn; spokes: False for particles that do not turn; look: (faces, held) of tools/plot/colour.py,
-    held ones are hatched; outlines: {id: loops} of bodies of any shape (tools/base/outlines.py). Returns the artists, for
-    removal."""
+    held ones are hatched; outlines: {id: loops} of bodies of any shape (tools/base/outlines.py). What is too small to be seen in a
+    panel of panels() is a dot, of which headline() tells. Returns the artists, for removal."""
     ids, x, y, theta, radius, minor = particles
     if not len(x):
         return []
+    faces, held = look if look is not None else ([BODY] * len(x), np.zeros(len(x), bool))
+    dots = np.asarray(radius) * getattr(axes, "scale", np.inf) < 0.5 * DOT / 72
+    if dots.any():
+        axes.dotted = True
+        shades = ["black" if isinstance(faces[k], str) else faces[k] for k in np.flatnonzero(dots)]
+        drawn = axes.scatter(np.asarray(x)[dots], np.asarray(y)[dots], DOT**2, shades, linewidths=0, zorder=zorder)
+        clip_to(axes, drawn, clip)
+        others = [faces[k] for k in np.flatnonzero(~dots)], held[~dots]
+        rest = [np.asarray(one)[~dots] for one in particles]
+        return [drawn, *particle_artists(axes, rest, zorder, clip, spokes, others, outlines)]
     # The rim is drawn inside, so that a thick pen does not make touching disks overlap.
     shapes = [patches_of(outlines, one, (a, b), t, r, s) for one, a, b, t, r, s in zip(ids, x, y, theta, radius, minor)]
-    faces, held = look if look is not None else ([BODY] * len(x), np.zeros(len(x), bool))
     groups = []
     for which, hatch in ((~held, None), (held, "////")):
         if which.any():
@@ -309,15 +319,19 @@ def title(run, what, inches):
 
 
 def time_text(t, unit="s", last=None):
-    """A time for a title; with the last time of the run, all of them with as many decimals."""
+    """A time for a title; with the last time of the run, all of them with as many decimals, or the same power of ten."""
     if last is None or not last > 0:
         return f"t = {t:.4g} {unit}"
+    if not 1e-3 <= last < 1e6:
+        power = int(np.floor(np.log10(last)))
+        return f"t = {t / 10.0**power:.2f}e{power:+03d} {unit}"
     return f"t = {t:.{max(0, 2 - int(np.floor(np.log10(last))))}f} {unit}"
 
 
 def save(figure, path):
     """Write the figure and let it go. Returns the path."""
     fold_powers(figure)
+    thin_labels(figure)
     figure.savefig(path, bbox_inches="tight", pad_inches=0.08)  # labels as wide as they are
     plt.close(figure)
     return own(path)

@@ -18,8 +18,6 @@ from tools.plot.style import (
     draw_boundary, draw_speed, fitting, frame, lowest_with, panels, particle_artists, save, speed_of, speed_top,
     time_text)
 
-DOT = 3.0  # points: the least diameter that is drawn
-
 
 def chosen_times(run, number=6):
     """Times spread over the part of the run in which most happens: until nine tenths of
@@ -40,7 +38,7 @@ def plot_transport(run, path, times=None):
     times = chosen_times(run) if times is None else times
     label = f"speed of the flow ({run.units_per_depth['speed']})"
     figure, axes, bar = panels(len(times), run.extent, lowest=lowest_with(label) if flow else 0.0)
-    drawn, tiny, scale = None, False, axes[0].get_position().width * figure.get_figwidth() / run.extent[2]
+    drawn = None
     top, extend = speed_top([speed_of(flow[1])]) if flow else (1, "neither")
     for one, t in zip(axes, times):
         if flow:
@@ -48,10 +46,6 @@ def plot_transport(run, path, times=None):
         draw_boundary(one, run)
         inside = run.particles_at(t)
         particle_artists(one, inside, clip=run.clip, spokes=run.turns)
-        dots = inside[:, scale * inside[4] < 0.5 * DOT / 72]
-        if dots.size:  # too small to be seen to scale
-            tiny = True
-            one.plot(dots[1], dots[2], "o", markersize=DOT, markeredgewidth=0, color="black", zorder=6)
         frame(one, run.extent, run.units["length"])
         when = time_text(t, run.units["time"], max(times))
         one.set_title(fitting([f"{when}: {inside.shape[1]} inside", when, when.split()[2]], one.room - 0.1), pad=3)
@@ -59,8 +53,7 @@ def plot_transport(run, path, times=None):
         bar.remove()
     else:
         figure.colorbar(drawn, cax=bar, extend=extend).set_label(label)
-    headline(figure, run.title + (": flow and particles" if flow else ": particles") + (" (dots: larger than they are)"
-        if tiny else ""))
+    headline(figure, run.title + (": flow and particles" if flow else ": particles"))
     return save(figure, path)
 
 

@@ -130,6 +130,9 @@ class Progress:
         last = {name: values[-1] for name, values in self.rows.items()} if number else {}
         status, over = run.status or "unknown", run.status != "running"
         changed = max(written or 0, (self.folder / "run.json").stat().st_mtime)
+        if over and "wall_s" in info and moment(info.get("written")):  # a copy of the folder has other times
+            changed = moment(info["written"])
+            written = None if written is None else min(written, changed)
         here = info.get("host") in (None, socket.gethostname())  # the processes of another machine cannot be seen
         if not over and here and not run.alive and now - changed > QUIET:
             status, over = ENDED, True
