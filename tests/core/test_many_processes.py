@@ -59,6 +59,18 @@ def test_the_pressure_on_more_processes(tmp_path, number, words):
     compare(number, tmp_path, *words)
 
 
+def test_disks_that_are_thrown(tmp_path):
+    """Fifty and more iterations find the impulse that they share with the fluid, and multiplied rounding by 10^7: velocities were
+    another by 1e-6 to 1e-4 on two processes."""
+    rows = [f"{3 + k},{0.3 + 0.45*(k % 4)},{0.4 + 0.6*(k // 4)},0.16,{(0.05, 0.9, 4)[k % 3]},{3*(k % 3) - 3},{2 - k % 5},{k - 6}"
+        for k in range(12)]
+    (tmp_path / "disks.csv").write_text("\n".join(["id,x,y,radius,density,u,v,omega", *rows]) + "\n")
+    mesh = make_mesh(tmp_path / "coarse.mesh", "box", "--size", 0.08)
+    folder = compare(2, tmp_path, "cases/template.edp", "-particles", tmp_path / "disks.csv", "-mesh", mesh, "-tend", "0.005",
+        "-every", "0", "-forces", "1")
+    assert abs(numbers(folder, "particles.csv")["u"]).max() > 1
+
+
 def test_films_and_a_start_from_another_run(tmp_path):
     """A disk close to a floor, with the film below it, that another run on a coarser mesh has brought there."""
     words = ["cases/sinking_disk.edp", "-gap", "0.03", "-every", "0"]
