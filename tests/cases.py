@@ -57,6 +57,7 @@ CASES = {
     "two_spheres": ["-tend", "0.005"],
     "falling_spheres": ["-tend", "0.1"],
     "pipe_spheres": ["-tend", "0.04", "-number", "3"],
+    "collapse_in_fluid": ["-tend", "0.01"],
 }
 # Cases that take long on their default mesh: the options of tools.mesh of a coarser one. tests/mesh/test_mesh.py looks at the
 # labels of the default meshes.

@@ -164,7 +164,7 @@ def pipe(tmp_path_factory):
     folder = tmp_path_factory.mktemp("pipe")
     mesh = make_mesh(folder / "pipe.mesh", "pipe_spheres", "--size", 0.12)
     spheres = folder / "spheres.csv"
-    spheres.write_text("id,x,y,z,radius,density,u,v,w\n10,2.56,0,0.1,0.1,3,3,0,0\n11,0.5,0.1,-0.38,0.1,1.5,0,0,0\n")
+    spheres.write_text("id,x,y,z,radius,density,u,v,w\n10,2.56,0,0.1,0.1,3,3,0,0\n11,0.5,0.1,-0.38,0.1,1.5,0,0,-0.5\n")
     return ["cases/pipe_spheres.edp", "-mesh", mesh, "-number", "2", "-particles", spheres, "-enter", "3", "-enter-every", "0.05",
         "-dt", "0.02", "-cfl", "0", "-friction", "0.3", "-friction-wall", "0.2", "-forces", "1", "-fields", "0.1", "-checkpoint",
         "4", "-tend", "0.24"]
