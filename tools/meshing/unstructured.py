@@ -76,8 +76,9 @@ def with_gmsh(work, refusal, options=None):
         except Exception as problem:  # gmsh raises plain Exception with its last message
             failed.append(problem)
     gmsh.initialize(readConfigFiles=False, interruptible=False)
-    for number in (signal.SIGTERM, signal.SIGHUP):  # from which gmsh has taken their answers
-        signal.signal(number, signal.getsignal(number))
+    if threading.current_thread() is threading.main_thread():  # the only one that may
+        for number in (signal.SIGTERM, signal.SIGHUP):  # from which gmsh has taken their answers
+            signal.signal(number, signal.getsignal(number))
     thread = threading.Thread(target=session, daemon=True)
     thread.start()
     thread.join(PATIENCE)
