@@ -34,8 +34,8 @@ def tables_of(folder):
 
 
 def units_of(folder, tables):
-    """{column: what its unit is in the run}, where the unit is known: of powers of the length of the domain, of the largest speed and
-    of the kinetic energy. Empty where nothing moves."""
+    """{column: what its unit is in the run}, where the unit is known: of powers of the length of the domain, of the largest
+    speed and of the kinetic energy. Empty where nothing moves."""
     run, largest = RunFolder(folder), {SPEED: 0.0, ENERGY: 0.0}
     for columns in tables.values():
         for column, texts in columns.items():
@@ -54,8 +54,8 @@ def units_of(folder, tables):
 
 
 def difference(one, many):
-    """Largest difference of the CSVs of two run folders, each column's over its largest value or SMALL of its unit; inf where tables,
-    their columns or their rows differ."""
+    """Largest difference of the CSVs of two run folders, each column's over its largest value or SMALL of its unit; inf where
+    tables, their columns or their rows differ."""
     here, there = tables_of(one), tables_of(many)
     if {name: list(table) for name, table in here.items()} != {name: list(table) for name, table in there.items()}:
         return float("inf")

@@ -51,7 +51,8 @@ def test_subcommands_do_so_too(capsys):
 
 def test_the_keyboard_stops_a_tool_that_reads_its_packages(tmp_path):
     """Large packages take a second or two; before, that ended with a traceback."""
-    (tmp_path / "matplotlib.py").write_text(f"import pathlib, time\npathlib.Path({str(tmp_path / 'begun')!r}).touch()\ntime.sleep(60)\n")
+    (tmp_path / "matplotlib.py").write_text(
+        f"import pathlib, time\npathlib.Path({str(tmp_path / 'begun')!r}).touch()\ntime.sleep(60)\n")
     tool = subprocess.Popen([sys.executable, "-m", "tools.plot", "run"], cwd=ROOT, stderr=subprocess.PIPE, text=True, env=os.environ
         | {"PYTHONPATH": str(tmp_path)}, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     end = time.monotonic() + 60

@@ -135,7 +135,8 @@ def failure(folder, reason, status=3, **more):
 
 @contextmanager
 def claimed(folders):
-    """Holds the folders for this process. Raises BadInput where another one has one of them; a file system without locks has none."""
+    """Holds the folders for this process. Raises BadInput where another one has one of them; a file system without locks has
+    none."""
     with ExitStack() as held:
         for folder in sorted(folders):
             folder.mkdir(parents=True, exist_ok=True)

@@ -43,10 +43,14 @@ class ContactRun(RunFolder):
         """Times of the frames."""
         return self._starts[0]
 
+    def rows(self, k):
+        """Columns of particles.csv at the k-th time."""
+        part = slice(self._starts[1][k], self._starts[1][k + 1])
+        return {name: values[part] for name, values in self.particles.items()}
+
     def frame(self, k):
         """Columns of particles.csv at the k-th time, and the speed."""
-        part = slice(self._starts[1][k], self._starts[1][k + 1])
-        columns = {name: values[part] for name, values in self.particles.items()}
+        columns = self.rows(k)
         if any(self.period):
             rows = self.images(np.column_stack([np.arange(len(columns["x"])), *(columns[name] for name in ("x", "y", "theta",
                 "radius", "radius"))]))

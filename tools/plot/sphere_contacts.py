@@ -16,8 +16,7 @@ class SphereContactRun(ContactRun):
     upward = "z"
 
     def frame(self, k):
-        part = slice(self._starts[1][k], self._starts[1][k + 1])
-        columns = {name: values[part] for name, values in self.particles.items()}
+        columns = self.rows(k)
         columns["speed"] = np.sqrt(sum(columns[name]**2 for name in "uvw"))
         order = np.argsort(-columns["y"], kind="stable")
         columns = {name: values[order] for name, values in columns.items()}
