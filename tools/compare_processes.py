@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tools.base.command import BadInput, Parser, guarded
+from tools.base.command import ROOT, BadInput, Parser, guarded, whole
 from tools.base.expressions import PER_DEPTH, POWERS
 from tools.base.ranks import run_on
 from tools.base.run_folder import RunFolder
@@ -83,12 +83,13 @@ def difference(one, many):
 
 def main():
     parser = Parser(prog="python -m tools.compare_processes", description=__doc__)
-    parser.add_argument("-n", type=int, default=2, dest="processes", metavar="PROCESSES", help="number of processes (default: 2)")
+    parser.add_argument("-n", type=whole(2), default=2, dest="processes", metavar="PROCESSES", help="number of processes (default "
+        "2)")
     parser.add_argument("case", help="the case, a script of FreeFEM")
     parser.add_argument("options", nargs=argparse.REMAINDER, help="options of the case, without -out")
     words = parser.parse_args()
-    if words.processes < 2:
-        raise BadInput(f"-n is a number of processes, at least 2, not {words.processes}")
+    if not (ROOT / words.case).is_file():
+        raise BadInput(f"there is no script {words.case}")
     with tempfile.TemporaryDirectory() as folder:
         one, many = Path(folder) / "one", Path(folder) / "many"
         alone = run_on(1, [words.case, *words.options, "-out", one])

@@ -182,7 +182,8 @@ def test_chambers_and_obstacles(refused, walls, places, wrong):
     assert wrong is None or any(wrong in line for line in lines)
 
 
-@pytest.mark.parametrize("words", [("-out", "none/out.csv"), ("-contacts", "none/contacts.csv"), ("-out", ".")])
+@pytest.mark.parametrize("words", [("-out", "none/out.csv"), ("-contacts", "none/contacts.csv"), ("-out", "."),
+    ("-out", "/proc/none")])
 def test_what_cannot_be_written_is_refused_before_the_work(freefem_refused, tmp_path, words):
     (tmp_path / "bodies.csv").write_text("\n".join(["id,x,y,radius,mass,u,v", *GOOD]) + "\n")
     files = {"-out": tmp_path / "out.csv", words[0]: tmp_path / words[1]}

@@ -246,6 +246,10 @@ BAD = [
     (["sprung_cylinder", "--coarse-factor", 1e30], "too large for a side"),
     *(([case, "--size", 1e-15], "vertices") for case in ("box", "box_corridor", "backward_step", "sudden_expansion", "couette",
         "sprung_cylinder")),
+    *(([case, "--size", 1e-6], "tetrahedra") for case in ("pipe_spheres", "settling_sphere", "held_sphere", "sphere_array")),
+    (["two_spheres", "--pattern", "grid", "--size", 1e-3], "tetrahedra"),
+    (["settling_sphere", "--coarse", 0], "must be positive"),  # a division by 0
+    (["held_sphere", "--coarse", "nan"], "not a finite number"),  # 33 vertices
     (["backward_step", "--size", 1], "too large"),
     (["sudden_expansion", "--ratio", 1], "larger than 1"),
 ]

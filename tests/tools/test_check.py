@@ -230,7 +230,8 @@ def test_the_command_ends_with_0_1_3(tmp_path):
     b = table(tmp_path / "b.csv", [0, 1], [1, 3])
     assert main([str(a), str(a)]) == 0
     assert main([str(b), str(a), "--columns", "u:1e-3"]) == 1
-    for words in ([str(a), str(tmp_path / "none.csv")], [str(a), str(a), "--rtol", "wide"], [str(a)]):
+    for words in ([str(a), str(tmp_path / "none.csv")], [str(a), str(a), "--rtol", "wide"], [str(a), str(a), "--rtol", "nan"],
+        [str(a)]):
         done = run_tool("check", *words)
         assert done.returncode == 3 and done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
 

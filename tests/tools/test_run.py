@@ -61,8 +61,9 @@ def test_files_are_those_of_the_folder_where_the_user_is(tmp_path):
 
 
 @pytest.mark.parametrize("name, content, said", [
-    ("tempate.edp", None, "is cases/template.edp meant?"), ("cases/nothing_like_it.edp", None, "there is no script"),
-        ("my.idp", b"", "must end with .edp"),
+    ("tempate.edp", None, "is cases/template.edp meant?"), ("template", None, "is cases/template.edp meant?"),
+    ("nocase.edp", None, "there is no script nocase.edp\n"), ("cases/nothing_like_it.edp", None, "there is no script"),
+    ("my.edp", b"\n", "my.edp is empty"), ("my.idp", b"", "must end with .edp"),
     ("my.edp", TEMPLATE.encode("utf-16"), "no plain text")])
 def test_what_is_no_script_is_refused(name, content, said, tmp_path):
     if content is not None:

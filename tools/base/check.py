@@ -27,7 +27,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tools.base.command import BadInput, Parser
+from tools.base.command import BadInput, Parser, non_negative
 from tools.base.tables import read_table
 
 TABLES = ("particles", "fluid", "contacts", "forces", "wallforces", "fluxes", "budget", "motion", "steps", "coupling", "entries",
@@ -309,8 +309,8 @@ def parser():
     options.add_argument("run", help="run folder or CSV file to judge")
     options.add_argument("reference", help="run folder or CSV file to judge it by")
     options.add_argument("--columns", nargs="+", metavar="NAME[:RTOL[:ATOL]]", help="columns (default: all of the reference)")
-    options.add_argument("--rtol", type=float, default=1e-6, help="relative tolerance (default 1e-6)")
-    options.add_argument("--atol", type=float, default=0.0, help="absolute tolerance, in the column's unit (default 0)")
+    options.add_argument("--rtol", type=non_negative, default=1e-6, help="relative tolerance (default 1e-6)")
+    options.add_argument("--atol", type=non_negative, default=0.0, help="absolute tolerance, in the column's unit (default 0)")
     options.add_argument("--time", metavar="NAME", help="the column to align by (default t, else the first t_...)")
     options.add_argument("--subset", action="store_true", help="the run may hold particles, and times of a pair, that the "
         "reference has not")

@@ -77,13 +77,15 @@ def found(name):
             path = Path(os.path.abspath(folder / path))
             break
     else:
-        near = [str(file.relative_to(ROOT)) for file in sorted((ROOT / "cases").glob("*.edp"))]
         from tools.compile_errors.project import nearest
 
-        best = nearest(name, near) or nearest(f"cases/{path.name}", near)
-        raise BadInput(f"there is no script {name}" + (f"; is {best} meant?" if best else ""))
+        cases = sorted(file.stem for file in (ROOT / "cases").glob("*.edp"))
+        best = path.stem if path.stem in cases else nearest(path.stem, cases)
+        raise BadInput(f"there is no script {name}" + (f"; is cases/{best}.edp meant?" if best else ""))
     if path.suffix != ".edp":
         raise BadInput(f"{name} is no script of FreeFEM: its name must end with .edp")
+    if not path.read_bytes().strip():
+        raise BadInput(f"{name} is empty")
     if b"\0" in path.read_bytes():
         raise BadInput(f"{name} is no plain text (saved as UTF-16?): save it as UTF-8")
     return path

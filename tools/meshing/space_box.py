@@ -4,9 +4,10 @@ The sides of the box are walls (3). In a quarter, the planes x = 0 (left, 11) an
 """
 import numpy as np
 
+from tools.base.command import positive
 from tools.meshing.labels import LABELS
 from tools.meshing.options import add_length, add_size
-from tools.meshing.space_mesh import SIZES_OF_FIELDS, boxes, filled, finished, with_image
+from tools.meshing.space_mesh import SIZES_OF_FIELDS, boxes, filled, finished, refuse_too_many, with_image
 from tools.meshing.structured import even, growing, joined
 from tools.meshing.unstructured import with_gmsh
 
@@ -18,7 +19,8 @@ def add_options(parser):
     add_length(parser, "--corridor", 0.015, "M", "half width of the fine corridor")
     add_length(parser, "--corridor-top", 0.14, "M", "height of the fine corridor")
     add_length(parser, "--growth", 0.03, "M", "distance over which the elements grow from the corridor to the coarse ones")
-    parser.add_argument("--coarse", type=float, default=4.0, help="size of the coarse elements over --size (default %(default)s)")
+    parser.add_argument("--coarse", type=positive, default=4.0, help="size of the coarse elements over --size (default "
+        "%(default)s)")
     parser.add_argument("--part", choices=["quarter", "whole", "mirrored"], default="quarter",
         help="of the box; mirrored: whole, of the images of the quarter (default %(default)s)")
     parser.add_argument("--pattern", choices=["unstructured", "grid"], default="unstructured",
@@ -28,6 +30,8 @@ def add_options(parser):
 def build(options):
     half = options.width / 2
     low = -half if options.part == "whole" else 0.0
+    across, up = min(options.corridor, half) - max(low, -options.corridor), min(options.corridor_top, options.height)
+    refuse_too_many(((half - low) ** 2 * options.height, options.coarse * options.size), (across**2 * up, options.size))
 
     def label_of(centres):
         labels = np.full(len(centres), LABELS["wall"])

@@ -5,7 +5,6 @@ Labels: left, right (x), front, back (y), bottom, top (z).
 """
 import numpy as np
 
-from tools.base.command import BadInput
 from tools.meshing.labels import LABELS
 from tools.meshing.options import add_length, add_size
 from tools.meshing.space_mesh import boxes, finished, with_image
@@ -23,8 +22,6 @@ def add_options(parser):
 
 def build(options):
     lengths = (options.length, options.width, options.height)
-    if np.prod([length / options.size for length in lengths]) > 2e6:
-        raise BadInput("this block has more than 2 million cells: ask for larger ones")
 
     def label_of(centres):
         labels = np.zeros(len(centres), dtype=int)

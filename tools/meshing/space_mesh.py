@@ -6,11 +6,13 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from tools.base.command import BadInput
 from tools.base.space_mesh import SpaceMesh
 from tools.meshing.labels import NAMES
 from tools.meshing.medit import store
 
 # The six tetrahedra of a cell whose corners are numbered x + 2 y + 4 z: each path along the axes from corner 0 to corner 7 (Kuhn).
+MOST_CELLS = 2_000_000  # cubes of the element size, some six tetrahedra each
 KUHN = np.array([[0, 1, 3, 7], [0, 1, 5, 7], [0, 2, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 4, 6, 7]])
 
 
@@ -62,6 +64,14 @@ SIZES_OF_FIELDS = {"Mesh.MeshSizeExtendFromBoundary": 0, "Mesh.MeshSizeFromPoint
     "Mesh.Algorithm3D": 10}
 
 
+def refuse_too_many(*parts):
+    """Raises BadInput where the parts of a domain, each (volume, size of its elements), would make far too many tetrahedra."""
+    cells = sum(volume / size**3 for volume, size in parts)
+    if cells > MOST_CELLS:
+        raise BadInput(f"these sizes would make about {6 * cells:.1e} tetrahedra; at most {6 * MOST_CELLS:.1e} are made: ask for "
+            "larger elements")
+
+
 def filled(gmsh, label_of):
     """The SpaceMesh of the volumes of gmsh's model, whose size field is set; label_of as in finished()."""
     gmsh.model.mesh.generate(3)
@@ -85,6 +95,7 @@ def with_image(points, tetrahedra, axis, at):
 def boxes(xs, ys, zs, label_of, keep=None):
     """A mesh of the cells of a grid (increasing coordinates), six tetrahedra a cell; keep(centres): which cells are there."""
     shape = (len(xs), len(ys), len(zs))
+    refuse_too_many((np.prod(shape, dtype=float), 1.0))
     points = np.stack(np.meshgrid(xs, ys, zs, indexing="ij"), axis=-1).reshape(-1, 3)
     number = np.arange(len(points)).reshape(shape)
     corners = np.stack([number[i:shape[0] - 1 + i, j:shape[1] - 1 + j, k:shape[2] - 1 + k].ravel()

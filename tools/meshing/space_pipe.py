@@ -7,7 +7,7 @@ import numpy as np
 
 from tools.meshing.labels import LABELS
 from tools.meshing.options import add_length, add_size, require
-from tools.meshing.space_mesh import SIZES_OF_FIELDS, filled
+from tools.meshing.space_mesh import SIZES_OF_FIELDS, filled, refuse_too_many
 from tools.meshing.unstructured import with_gmsh
 
 
@@ -27,6 +27,7 @@ def build(options):
     require(hole < radius, "the opening must be smaller than the pipe")
     require(0 < options.diaphragm and options.diaphragm + options.thickness < end, "the diaphragm must lie within the pipe")
     require(options.wedge_height < options.diameter, "the wedge must be lower than the pipe")
+    refuse_too_many((np.pi * radius**2 * end, options.size))
 
     def label_of(centres):
         x, y, z = centres.T

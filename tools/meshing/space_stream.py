@@ -5,9 +5,10 @@ through the sphere; back (16) and top (14): the far sides.
 """
 import numpy as np
 
+from tools.base.command import positive
 from tools.meshing.labels import LABELS
 from tools.meshing.options import add_length, add_size
-from tools.meshing.space_mesh import SIZES_OF_FIELDS, filled
+from tools.meshing.space_mesh import SIZES_OF_FIELDS, filled, refuse_too_many
 from tools.meshing.unstructured import with_gmsh
 
 
@@ -17,11 +18,13 @@ def add_options(parser):
     add_length(parser, "--downstream", 10.0, "D", "length behind it")
     add_length(parser, "--half-width", 5.0, "D", "distance of the far sides")
     add_length(parser, "--wake", 2.5, "D", "length of the fine wake")
-    parser.add_argument("--coarse", type=float, default=8.0, help="size of the coarse elements over --size (default %(default)s)")
+    parser.add_argument("--coarse", type=positive, default=8.0, help="size of the coarse elements over --size (default "
+        "%(default)s)")
 
 
 def build(options):
     low, high, wide, size = -options.upstream, options.downstream, options.half_width, options.size
+    refuse_too_many(((high - low) * wide**2, options.coarse * size), (0.9 * 0.75**2 + options.wake * 0.8**2, 1.5 * size))
 
     def label_of(centres):
         labels = np.zeros(len(centres), dtype=int)

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tools.base.command import BadInput, Parser, guarded
+from tools.base.command import BadInput, Parser, guarded, positive
 from tools.peers.openfoam_case import CMU, KAPPA, SHARE, Mesh, from_both_ends, graded, joined, middles, solve
 
 LEAST_DISTANCE = 30.0  # wall units: the mixing length at the inlet is at most kappa (distance + this)
@@ -149,7 +149,7 @@ def main():
     parser.add_argument("flow", choices=list(CELLS), help="which flow")
     parser.add_argument("cells", metavar="CELLS", type=int, nargs="*", help="cells in a step height, the radius or half the slit "
         "(default: two or three)")
-    parser.add_argument("--opening", type=float, default=0.5, metavar="M", help="height of the slit over that of the channel "
+    parser.add_argument("--opening", type=positive, default=0.5, metavar="M", help="height of the slit over that of the channel "
         "(default %(default)g)")
     parser.add_argument("--most", type=int, default=2000, metavar="N", help="most iterations (default %(default)d)")
     parser.add_argument("--keep", metavar="FOLDER", type=Path, help="keep OpenFOAM's input and output there")
