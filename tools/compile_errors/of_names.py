@@ -62,27 +62,8 @@ def unknown(case, said):
     macro = next((macro for macro in file.script.macros if macro.line <= line <= macro.last), None)
     if macro and macro.name in case.examples and name in (case.examples[macro.name][0][1].parameters or ()):
         return at(file, line, f"{name} is no parameter of the macro {macro.name}: write {case.examples[macro.name][0][1].text}")
-    offered = project.offered().get(name)
-    if offered:
-        path = next((path for path, _ in offered if path in case.reached), offered[0][0])
-        brought = [number for number, after in file.includes() if after in case.project and path in project.reached_from((after,))]
-        common = path in project.reached_from((project.COMMON,))
-        if common and project.COMMON not in case.project:
-            return at(
-                file,
-                line,
-                f"{name} is declared in {path}, which is not included before: a case begins with include \"{project.COMMON}\"",
-            )
-        if path in case.reached:
-            if brought and brought[0] >= line and not macro:
-                return at(
-                    file,
-                    line,
-                    f"{name} is used here before it is declared, by {path}, which the include of line {brought[0]} brings; what"
-                    " uses it stands behind that line, or in a macro such as caseStep",
-                )
-        elif not needed(case, name):
-            return at(file, line, f"{name} is declared in {path}, which is not included: include \"{path}\" before")
+    if sentence := not_yet_included(case, file, name, line, macro):
+        return sentence
     if inner and inner.line != line:
         return at(
             file,
@@ -104,6 +85,33 @@ def unknown(case, said):
         line,
         f"{name} does not exist" + (f"; is {near}{where} meant?" if near else ": declare it before, or correct the name"),
     )
+
+
+def not_yet_included(case, file, name, line, macro):
+    """A name of the project whose file is not included, or only behind the line; None of other names."""
+    offered = project.offered().get(name)
+    if not offered:
+        return None
+    path = next((path for path, _ in offered if path in case.reached), offered[0][0])
+    brought = [number for number, after in file.includes() if after in case.project and path in project.reached_from((after,))]
+    common = path in project.reached_from((project.COMMON,))
+    if common and project.COMMON not in case.project:
+        return at(
+            file,
+            line,
+            f"{name} is declared in {path}, which is not included before: a case begins with include \"{project.COMMON}\"",
+        )
+    if path in case.reached:
+        if brought and brought[0] >= line and not macro:
+            return at(
+                file,
+                line,
+                f"{name} is used here before it is declared, by {path}, which the include of line {brought[0]} brings; what"
+                " uses it stands behind that line, or in a macro such as caseStep",
+            )
+    elif not needed(case, name):
+        return at(file, line, f"{name} is declared in {path}, which is not included: include \"{path}\" before")
+    return None
 
 
 def unquoted(case, file, name, line):

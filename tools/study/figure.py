@@ -53,6 +53,21 @@ def slopes(axes, sizes, top):
                   label=f"order {order}")
 
 
+def draw_cost(axes, rows, error, length):
+    """The errors, by the id of a record, over the CPU time; a line joins the runs that no cheaper one beats. length: its unit."""
+    timed = [r for r in rows if math.isfinite(r["cpu_s"]) and r["cpu_s"] > 0]
+    for k, size in enumerate(sorted({r["meshsize"] for r in timed}, key=lambda v: -(v or 0))):
+        some = [r for r in timed if r["meshsize"] == size]
+        axes.plot([r["cpu_s"] for r in some], [error[id(r)] for r in some], linestyle="none",
+                  marker=MARKERS[k % len(MARKERS)], markersize=6, color=curve(k)["color"],
+                  label=f"element size {size:.4g} {length}".rstrip() if size is not None else "runs")
+    front = [timed[k] for k in pareto([r["cpu_s"] for r in timed], [error[id(r)] for r in timed])]
+    if len(front) > 1:
+        axes.plot([r["cpu_s"] for r in front], [error[id(r)] for r in front], color="#808080", linewidth=1, zorder=1,
+                  label="no cheaper run is better")
+    axes.set_xlabel("CPU time (s)")
+
+
 def draw_study(study, records, quantity, reference, uncertainty):
     """Write study_QUANTITY.png; returns its path, None if no run has a finite error."""
     percent = 100 / abs(reference) if reference else 1.0
@@ -82,18 +97,7 @@ def draw_study(study, records, quantity, reference, uncertainty):
                           else f"error over {name.split(' (')[0]}")
         slopes(axes, [r[key] for r in rows if r[key] is not None], max(error[id(r)] for r in rows))
         axes.set_xlabel(name)
-    last = panels[-1]
-    timed = [r for r in rows if math.isfinite(r["cpu_s"]) and r["cpu_s"] > 0]
-    for k, size in enumerate(sorted({r["meshsize"] for r in timed}, key=lambda v: -(v or 0))):
-        some = [r for r in timed if r["meshsize"] == size]
-        last.plot([r["cpu_s"] for r in some], [error[id(r)] for r in some], linestyle="none",
-                  marker=MARKERS[k % len(MARKERS)], markersize=6, color=curve(k)["color"],
-                  label=f"element size {size:.4g} {units['length']}".rstrip() if size is not None else "runs")
-    front = [timed[k] for k in pareto([r["cpu_s"] for r in timed], [error[id(r)] for r in timed])]
-    if len(front) > 1:
-        last.plot([r["cpu_s"] for r in front], [error[id(r)] for r in front], color="#808080", linewidth=1, zorder=1,
-                  label="no cheaper run is better")
-    last.set_xlabel("CPU time (s)")
+    draw_cost(panels[-1], rows, error, units["length"])
     for axes in panels:
         axes.set_xscale("log")
         axes.set_yscale("log")
@@ -105,7 +109,7 @@ def draw_study(study, records, quantity, reference, uncertainty):
     panels[0].set_ylim(0.5 * min(values), 2.0 * max(values))
     for axes, (key, _, _) in zip(panels, axes_of):
         plain(axes.xaxis, [r[key] for r in rows if r[key] is not None])
-    plain(last.xaxis)
+    plain(panels[-1].xaxis)
     for axes in panels:
         axes.legend(fontsize=7, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=1)
     plain(panels[0].yaxis)
