@@ -13,7 +13,7 @@ export OMP_NUM_THREADS := 1
 
 help:
 	@echo 'make run              50 rigid particles in a pipe with obstacles, with pictures and a film'
-	@echo 'make test             the tests, 12 to 14 minutes on 2 cores (one file: make test TESTS=tests/mesh/test_mesh.py)'
+	@echo 'make test             the tests, 12 to 15 minutes on 2 cores (one file: make test TESTS=tests/mesh/test_mesh.py)'
 	@echo 'make validate         slow comparisons with published results and a report (one: CASE=settling_disk)'
 	@echo 'make stress           stability maps and their limits, half an hour of CPU (QUICK=1: 5 minutes; MAPS="gap jam"; JOBS=2)'
 	@echo 'make bench            error against CPU time, this and other programs, 30 to 50 minutes (5: make bench QUICK=1)'
