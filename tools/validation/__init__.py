@@ -119,6 +119,12 @@ class Context:
         text = " ".join(str(problem).split()) or type(problem).__name__
         return Row(self.case, quantity, source, float(target), "", math.nan, False, getattr(problem, "cpu_s", math.nan), None, text)
 
+    def with_figure(self, rows, path):
+        """The rows, each with the figure that shows them all."""
+        for row in rows:
+            row.figure = str(path)
+            yield row
+
     def figure_path(self, name):
         """Where a figure of this case belongs."""
         path = self.out / "figures" / f"{self.case}_{name}.png"

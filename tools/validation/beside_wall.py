@@ -48,10 +48,7 @@ def cylinder_beside_wall(context):
     axes.set_xlabel("gap / R")
     axes.set_ylabel("force / ($\\mu$ U), torque / ($\\mu$ $\\omega$ R²)")
     axes.legend(loc="upper right")
-    path = save(figure, context.figure_path("beside_wall"))
-    for row in rows:
-        row.figure = path
-        yield row
+    yield from context.with_figure(rows, save(figure, context.figure_path("beside_wall")))
 
 
 VALIDATIONS = [cylinder_beside_wall]

@@ -53,10 +53,7 @@ def oscillating_cylinder(context):
     axes.set_ylabel("force / ($\\rho$ $U^2$ D)")
     axes.set_ylim(-2, 3.8)
     axes.legend(loc="upper left")
-    path = save(figure, context.figure_path("oscillating_cylinder"))
-    for row in rows:
-        row.figure = path
-        yield row
+    yield from context.with_figure(rows, save(figure, context.figure_path("oscillating_cylinder")))
 
 
 VALIDATIONS = [oscillating_cylinder]

@@ -90,10 +90,7 @@ def interface_order(context):
         axes.set_title(quantity.name)
     panels[0].set_ylabel("relative error over the offsets (rms, bar: largest)")
     panels[0].legend(loc="best")
-    path = save(figure, context.figure_path("order"))
-    for row in rows:
-        row.figure = str(path)
-    yield from rows
+    yield from context.with_figure(rows, save(figure, context.figure_path("order")))
 
 
 def held_vortices(context):

@@ -64,10 +64,7 @@ def sprung_cylinder(context):
     for axes in (over_time, path):
         axes.grid(True)
     figure.legend(*over_time.get_legend_handles_labels(), loc="outside upper center", ncols=4)
-    saved = save(figure, context.figure_path("swings"))
-    for row in rows:
-        row.figure = saved
-        yield row
+    yield from context.with_figure(rows, save(figure, context.figure_path("swings")))
 
 
 VALIDATIONS = [sprung_cylinder]

@@ -55,10 +55,7 @@ def carried_disk(context):
     axes.set_xlabel("displacement in a step (elements)")
     axes.set_ylabel("falls more slowly by (%)")
     axes.legend(loc="upper right")
-    path = save(figure, context.figure_path("carried_disk"))
-    for row in rows:
-        row.figure = path
-        yield row
+    yield from context.with_figure(rows, save(figure, context.figure_path("carried_disk")))
 
 
 VALIDATIONS = [carried_disk]

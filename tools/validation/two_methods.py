@@ -78,10 +78,7 @@ def two_methods(context):
         if found:
             table.append((indicator, 1e-6, 4, *found))
     write_table(context.figure_path("penalty").with_suffix(".csv"), ["indicator", "penalty", "cells", "error", "cpu_s"], table)
-    path = draw(table, standards, context.figure_path("penalty"))
-    for row in rows:
-        row.figure = str(path)
-    yield from rows
+    yield from context.with_figure(rows, draw(table, standards, context.figure_path("penalty")))
 
 
 VALIDATIONS = [two_methods]

@@ -45,10 +45,7 @@ def wide_disk(context):
     axes.set_xlabel("gap / H")
     axes.set_ylabel("drag / ($\\mu$ U)")
     axes.legend(loc="upper right")
-    path = save(figure, context.figure_path("drag"))
-    for row in rows:
-        row.figure = path
-        yield row
+    yield from context.with_figure(rows, save(figure, context.figure_path("drag")))
 
 
 VALIDATIONS = [wide_disk]
