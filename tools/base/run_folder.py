@@ -63,7 +63,7 @@ class RunFolder(Arrays):
         if not self.folder.is_dir():
             raise BadInput(f"there is no run folder {folder}")
         if not any((self.folder / name).is_file() for name in ("run.json", "particles.csv", "fluid.csv")):
-            raise BadInput(f"{folder} is not a run folder: it has no run.json, particles.csv or fluid.csv")
+            raise BadInput(f"{self.folder} is not a run folder: it has no run.json, particles.csv or fluid.csv")
 
     @cached_property
     def info(self):
