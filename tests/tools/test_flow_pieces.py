@@ -166,7 +166,8 @@ def test_cells_of_an_image_are_quadrilaterals(tmp_path, capsys, name, deep):
     """Pixels and voxels of VTK, whose corners go row by row."""
     if deep:
         above = np.column_stack([QUADS, QUADS + len(X)])[:, [0, 1, 3, 2, 4, 5, 7, 6]]
-        cells, points, flow, kinds = ("hexahedron", above), np.concatenate([POINTS, POINTS + [0, 0, 1]]), np.tile(FLOW, (2, 1)), "12"
+        cells, points = ("hexahedron", above), np.concatenate([POINTS, POINTS + [0, 0, 1]])
+        flow, kinds = np.tile(FLOW, (2, 1)), "12"
     else:
         cells, points, flow, kinds = ("quad", QUADS[:, [0, 1, 3, 2]]), POINTS, FLOW, "9"
     form = {"file_format": "vtk42"} if name.endswith("vtk") else {}

@@ -63,7 +63,8 @@ def read(path):
         point = (lambda line: line.replace(",", ".")) if decimal else (lambda line: line)
         if not decimal and any("," in line for _, line in body[1:]):
             raise BadInput(f"{path}: its numbers have commas as well as points")
-        rows = [(body[0][0], cells(body[0][1].replace(",", " "), by)), *((number, cells(point(line), by)) for number, line in body[1:])]
+        rows = [(body[0][0], cells(body[0][1].replace(",", " "), by))]
+        rows += [(number, cells(point(line), by)) for number, line in body[1:]]
     ends = [line.rstrip().endswith(",") for _, line in rows]
     if all(ends):
         rows = [(number, line.rstrip()[:-1] + "\n") for number, line in rows]
