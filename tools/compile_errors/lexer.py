@@ -104,7 +104,7 @@ def words(text, line=1):
                 faults.append(
                     Fault(
                         line,
-                        f"the text {shown(word)} holds {sign} ({'U+%04X' % ord(sign)}), which FreeFEM reads in comments alone; a side"
+                        f"the text {shown(word)} has {sign} ({'U+%04X' % ord(sign)}), which FreeFEM reads in comments alone; a side"
                         " with such a name has a label, a number, too",
                     )
                 )
