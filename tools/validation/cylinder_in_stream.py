@@ -137,8 +137,11 @@ def drag_axes(axes):
     """The published drag over the displacement, and what belongs to its axes."""
     points(axes, *reference("moved_cylinder_drag_schneiders2013_fig9"), MOVED)
     axes.set_xlabel("displacement / D")
+    axes.set_xticks([-0.2, -0.1, 0, 0.1, 0.2])
     axes.set_ylabel("drag coefficient")
-    axes.legend(loc="best")
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high + 0.3 * (high - low))  # room for the legend
+    axes.legend(loc="upper center")
 
 
 def moved_across(context):
