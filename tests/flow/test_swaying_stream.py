@@ -18,7 +18,7 @@ def test_far_from_a_moved_cylinder_the_stream_sways_without_a_pressure(meshes, r
     np.testing.assert_allclose(values["velocity"][far][:, :2], np.tile([1, sway], (far.sum(), 1)), atol=0.01)
     assert abs(values["pressure"][far]).max() < 0.05
     surface = run.table("surface")
-    assert len(surface["angle"]) == 180 and surface["vorticity"].min() < -10 and surface["vorticity"].max() > 10
+    assert np.count_nonzero(surface["vorticity"]) == 180 and surface["vorticity"].min() < -10 and surface["vorticity"].max() > 10
     assert 0.9 < surface["pressure"].max() < 1.6  # where the stream stops
 
 
