@@ -9,6 +9,7 @@ CHANGED = ""
 
 # What the sentences were built with
 MISTAKES = [
+    ('template', '"two disks and an ellipse in a closed box"', '"zwei Körper"', 'ö (U+00F6)', CHANGED),
     ('template', 'real rhoFluid = optPositive("-rhof", 1, "g/cm3", "density of the fluid");\n', '', 'rhoFluid', None),
     ('template', 'real mu = optPositive("-mu", 0.1, "g/(cm s)", "dynamic viscosity of the fluid");\n', '', 'mu', None),
     ('template', 'real gravityX = 0, gravityY', 'real gravityY', 'gravityX', None),

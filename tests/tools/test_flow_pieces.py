@@ -158,3 +158,23 @@ def test_what_the_reader_does_not_know_is_named(tmp_path, capsys):
     (tmp_path / "flow.pvd").write_text('<VTKFile><Collection><DataSet timestep="nan" file="flow.vtu"/></Collection></VTKFile>')
     with pytest.raises(BadInput, match="a time is no finite number"):
         said(tmp_path, capsys, "flow.pvd")
+
+
+@pytest.mark.parametrize("name", ["a.vtu", "a.vtk"])
+@pytest.mark.parametrize("deep", [False, True])
+def test_cells_of_an_image_are_quadrilaterals(tmp_path, capsys, name, deep):
+    """Pixels and voxels of VTK, whose corners go row by row."""
+    if deep:
+        above = np.column_stack([QUADS, QUADS + len(X)])[:, [0, 1, 3, 2, 4, 5, 7, 6]]
+        cells, points = ("hexahedron", above), np.concatenate([POINTS, POINTS + [0, 0, 1]])
+        flow, kinds = np.tile(FLOW, (2, 1)), "12"
+    else:
+        cells, points, flow, kinds = ("quad", QUADS[:, [0, 1, 3, 2]]), POINTS, FLOW, "9"
+    form = {"file_format": "vtk42"} if name.endswith("vtk") else {}
+    meshio.Mesh(points, [cells], {"U": flow}).write(tmp_path / name, binary=False, **form)
+    text, image = (tmp_path / name).read_text(), {"9": "8", "12": "11"}[kinds]
+    begin = re.search(r"CELL_TYPES \d+|<DataArray [^>]*Name=.types.[^>]*>", text).end()
+    end = begin + re.search(r"[A-Za-z<]", text[begin:]).start()
+    (tmp_path / name).write_text(text[:begin] + re.sub(rf"\b{kinds}\b", image, text[begin:end]) + text[end:])
+    capsys.readouterr()  # a warning of meshio, which wrote the file
+    judged(tmp_path, capsys, name)

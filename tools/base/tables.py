@@ -26,7 +26,11 @@ def read_table(path, finite=False, of_run=False):
     if of_run and lines and not lines[-1][1].endswith("\n"):
         raise BadInput(f"{path}, line {lines[-1][0]}: the line has no end; the run was cut off while it wrote it (or writes it "
             f"now): go on with -restart, or take the line out")
-    lines = [(number, line) for number, line in lines if line.strip() and not line.lstrip().startswith("#")]
+    return columns(path, [(number, line) for number, line in lines if line.strip() and not line.lstrip().startswith("#")], finite)
+
+
+def columns(path, lines, finite=False):
+    """The same of numbered lines [(number, line)] without remarks, the first of which is the header."""
     if not lines:
         raise BadInput(f"the table {path} is empty: it needs a header row")
     names = [name.strip() for name in next(csv.reader([lines[0][1]]))]

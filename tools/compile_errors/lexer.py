@@ -94,11 +94,20 @@ def words(text, line=1):
             faults.append(
                 Fault(
                     line,
-                    f"the sign {word} ({'U+%04X' % ord(word)}) is none of FreeFEM's: outside of texts and comments it takes plain"
+                    f"the sign {word} ({'U+%04X' % ord(word)}) is none of FreeFEM's: outside of comments it takes plain"
                     " letters, figures and signs",
                 )
             )
         elif kind != "space":
+            if kind == "string" and not word.isascii():
+                sign = next(one for one in word if not one.isascii())
+                faults.append(
+                    Fault(
+                        line,
+                        f"the text {shown(word)} has {sign} ({'U+%04X' % ord(sign)}), which FreeFEM reads in comments alone; a side"
+                        " with such a name has a label, a number, too",
+                    )
+                )
             if kind == "name" and "_" in word:
                 faults.append(
                     Fault(

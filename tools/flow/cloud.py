@@ -12,7 +12,7 @@ from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from tools.base.command import BadInput
 from tools.base.mesh_files import read_mesh
-from tools.base.tables import read_table
+from tools.flow import table_forms
 from tools.flow.given import PLACES, Given, named, plain, require_si, unused
 from tools.flow.values import nearest
 from tools.meshing import own
@@ -96,7 +96,7 @@ def read(files, velocity, mesh, scale):
     for time, file in files:
         if not Path(file).is_file():
             raise BadInput(f"cannot read the flow {file}: it is not there")
-        table = read_table(file, finite=True)
+        table = table_forms.read(file)
         require_si(table, scale != 1, str(file))
         low = {plain(name): values for name, values in table.items()}
         if not len(next(iter(table.values()))):

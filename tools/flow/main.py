@@ -7,9 +7,9 @@ FILE is
   - an OpenFOAM case: its folder or a file in it (NAME.foam); the mesh is one cell deep between empty patches
   - a .vtu, .pvtu or .vtk of plane cells, or of 3-D cells one cell deep (ParaView, foamToVTK, this project); several, one for each
     of --times; or a .pvd, which lists them with their times
-  - a .csv with the columns x, y, u, v and perhaps k, epsilon (names of Fluent and ParaView are known too): a cloud of
-    points, which is interpolated on the mesh of --mesh; several, one for each of --times. In a plane across y or x its columns
-    are x, z, u, w or y, z, v, w
+  - a table (.csv, .txt, .tsv) with the columns x, y, u, v and perhaps k, epsilon (names of Fluent and ParaView are known too): a
+    cloud of points, which is interpolated on the mesh of --mesh; several, one for each of --times. In a plane across y or x its
+    columns are x, z, u, w or y, z, v, w. Commas, semicolons, tabs or blanks separate them; of CFD-Post the section [Data] counts
 
 Boundaries are named as in every mesh of the project: inlet, outlet, wall, diaphragm, obstacle, cylinder, lid, axis, left,
 right, bottom, top. Patches of OpenFOAM keep such a name, other walls become wall; --label names the rest:
@@ -30,7 +30,7 @@ from pathlib import Path
 import numpy as np
 
 from tools.base.command import BadInput, Parser, number, positive
-from tools.flow import cloud, openfoam, plane, vtk
+from tools.flow import cloud, openfoam, plane, table_forms, vtk
 from tools.flow.save import fluxes, write
 from tools.flow.values import at_vertices
 from tools.meshing.checks import faults, summary
@@ -52,7 +52,7 @@ def parser():
     found.add_argument("--label", metavar="NAME=WHAT", action="append", default=[], help="names a part of the boundary (see above)")
     found.add_argument("--times", metavar="LIST", help="of a case or .pvd: last (default), all, or FROM:TO; of several files: "
         "their times, as 0,0.1,0.2 (s)")
-    found.add_argument("--mesh", metavar="FILE", help="for .csv: the mesh to interpolate on, .mesh or gmsh's .msh with named "
+    found.add_argument("--mesh", metavar="FILE", help="for tables: the mesh to interpolate on, .mesh or gmsh's .msh with named "
         "curves")
     found.add_argument("--velocity", metavar="NAME", help="array of the velocity, or those of its components as U,V (default: U, "
         "velocity, u and v, x-velocity and y-velocity ...)")
@@ -81,19 +81,19 @@ def read(options):
     """(Given, PlaneMesh, cell of each triangle) of the options. Raises BadInput."""
     files, ends = options.files, {Path(file).suffix.lower() for file in options.files}
     rules = plane.rules(options.label)
-    if ends == {".csv"}:
+    if ends <= set(table_forms.KINDS):
         if not options.mesh:
-            raise BadInput("a .csv is a cloud of points; --mesh names the mesh to interpolate it on (python -m tools.mesh own)")
+            raise BadInput("a table is a cloud of points; --mesh names the mesh to interpolate it on (python -m tools.mesh own)")
         mesh = cloud.mesh_from(options.mesh)
         if rules:
             mesh.edge_labels = plane.labelled(mesh.points, mesh.edges, {}, {}, rules, options.mesh)
         return cloud.read(timed(files, options.times), options.velocity, mesh, options.scale), mesh, None
     if options.mesh:
-        raise BadInput("--mesh is for .csv; other files have their own mesh")
+        raise BadInput("--mesh is for tables (.csv, .txt, .tsv); other files have their own mesh")
     if ends <= set(KINDS):
         flow = vtk.read(timed(files, options.times), options.velocity, options.values)
     elif len(files) > 1:
-        raise BadInput("several files are all .vtu or .vtk, or all .csv; of a .pvd or an OpenFOAM case one is given")
+        raise BadInput("several files are all .vtu or .vtk, or all tables; of a .pvd or an OpenFOAM case one is given")
     elif ends == {".pvd"}:
         flow = vtk.read(vtk.listed(files[0], options.times), options.velocity, options.values)
     elif ends == {".foam"} or Path(files[0]).is_dir():
@@ -101,7 +101,7 @@ def read(options):
             raise BadInput(f"cannot read the flow {files[0]}: it is not there")
         flow = openfoam.read(files[0], options.times, options.velocity)
     else:
-        raise BadInput(f"{files[0]} is no folder of an OpenFOAM case, .foam, {', '.join(KINDS)}, .pvd or .csv"
+        raise BadInput(f"{files[0]} is no folder of an OpenFOAM case, .foam, {', '.join(KINDS)}, .pvd, .csv, .txt or .tsv"
             + ("" if Path(files[0]).exists() else ", and is not there"))
     flow.points = flow.points * options.scale
     mesh, owner = plane.mesh_of(flow, rules, files[0])

@@ -1,16 +1,19 @@
 """A plane flow from an OpenFOAM case: a mesh that is one cell deep between patches of type empty, and values in the cells.
 
 The plane is that of the cells' faces on the empty patches. Values at the boundary are those of the patches where these give some
-(value, noSlip, zeroGradient).
+(value, noSlip, zeroGradient). A case that is divided among processors (processor0, ...) is read part by part.
 """
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from tools.base.command import BadInput
 from tools.flow.given import Given, chosen_times, named, unused
 from tools.flow.openfoam_files import Foam, constant
+from tools.flow.seams import SAME, groups
 
 FIELDS = ("k", "epsilon", "omega")
 
@@ -19,18 +22,31 @@ def read(path, times, velocity):
     """The Given of a case (its folder, or a file in it such as NAME.foam); times: --times; velocity: name of the field. Raises
     BadInput."""
     case = Path(path) if Path(path).is_dir() else Path(path).parent
-    base = case / "constant" / "polyMesh"
-    if not base.is_dir():
-        parallel = (case / "processor0").is_dir()
-        raise BadInput(f"{case} is no OpenFOAM case: it has no constant/polyMesh" + ("; reconstructParMesh joins its parts"
-            if parallel else ""))
-    flow, owner, names, axes = plane(base, case)
+    parts = sorted((one for one in case.glob("processor*") if re.fullmatch(r"processor\d+", one.name)),
+        key=lambda one: int(one.name[9:]))
+    if parts and not with_velocity(case, velocity or "U"):
+        return together([whole(one, times, velocity) for one in parts], case)
+    return whole(case, times, velocity)
+
+
+def with_velocity(case, name):
+    """[(time, folder)] of a case where there are velocities, in the order of time."""
     folders = sorted((float(one.name), one) for one in case.iterdir() if one.is_dir() and is_time(one.name))
-    name = velocity or "U"
-    folders = [(time, one) for time, one in folders if any((one / f"{name}{end}").is_file() for end in ("", ".gz"))]
+    return [(time, one) for time, one in folders if any((one / f"{name}{end}").is_file() for end in ("", ".gz"))]
+
+
+def whole(case, times, velocity):
+    """The Given of a case, or of the part of one processor. Raises BadInput."""
+    base, name = case / "constant" / "polyMesh", velocity or "U"
+    collated = list(case.glob("processors*"))
+    if not base.is_dir():
+        raise BadInput(f"{case} is no OpenFOAM case: it has no constant/polyMesh" + ("; reconstructParMesh joins its parts"
+            if collated else ""))
+    flow, owner, names, axes = plane(base, case)
+    folders = with_velocity(case, name)
     if not folders:
         raise BadInput(f"{case} has no velocities: no folder of a time with a field {name}" + ("; reconstructPar joins its parts"
-            if (case / "processor0").is_dir() else ""))
+            if collated else ""))
     for place in chosen_times([time for time, _ in folders], times, str(case)):
         time, folder = folders[place]
         if (folder / "polyMesh" / "points").is_file() or (folder / "polyMesh" / "points.gz").is_file():
@@ -42,6 +58,34 @@ def read(path, times, velocity):
         flow.on_sides.append({patch: named_side(given, name, axes, flow.frames[-1]) for patch, given in sides.items()})
         flow.times.append(time)
         flow.unused = unused(values)
+    return flow
+
+
+def together(parts, case):
+    """One Given of those of the processors, whose points meet. Raises BadInput where their times or fields differ."""
+    first = parts[0]
+    if any(one.times != first.times or [list(frame) for frame in one.frames] != [list(frame) for frame in first.frames]
+            for one in parts):
+        raise BadInput(f"{case}: its processors do not have the same times and fields; reconstructPar joins what is whole")
+    before = np.cumsum([0] + [len(one.points) for one in parts])
+    points = np.concatenate([one.points for one in parts])
+    near = cKDTree(points).query_pairs(SAME * np.ptp(points, axis=0).max(), output_type="ndarray")
+    place = groups(near, len(points))
+    _, one_of = np.unique(place, return_index=True)
+    flow = replace(first, points=points[one_of], kinds={}, sides={}, frames=[], on_sides=[],
+        polygons=[place[polygon + by] for one, by in zip(parts, before) for polygon in one.polygons])
+    for one in parts:
+        flow.kinds |= one.kinds
+    for name in flow.kinds:
+        having = [(one, by) for one, by in zip(parts, before) if name in one.sides]
+        flow.sides[name] = np.concatenate([place[one.sides[name] + by] for one, by in having])
+    for k in range(len(first.times)):
+        flow.frames.append({name: np.concatenate([one.frames[k][name] for one in parts]) for name in first.frames[k]})
+        flow.on_sides.append({})
+        for patch in flow.sides:
+            given = [one.on_sides[k][patch] for one in parts if patch in one.sides]
+            flow.on_sides[-1][patch] = {name: np.concatenate([one[name] for one in given]) for name in given[0]
+                if all(name in one for one in given)}
     return flow
 
 
@@ -128,7 +172,7 @@ def plane(base, case):
     flow = Given(points[used][:, axes], [number[one] for one in polygons], [], [], True)
     names = {}
     for name, (kind, run) in patches.items():
-        if kind == "empty" or len(run) == 0:
+        if kind == "empty" or kind.startswith("processor") or len(run) == 0:
             continue
         names[name] = np.arange(run.start, run.stop)
         ends = [number[faces[face]][number[faces[face]] >= 0] for face in names[name]]

@@ -9,11 +9,21 @@ from pathlib import Path
 
 import meshio
 import numpy as np
+from meshio._common import num_nodes_per_cell
+from meshio._mesh import topological_dimension
+from meshio._vtk_common import vtk_to_meshio_type
+from meshio.vtk import _vtk_42
 from meshio.vtu._vtu import _parse_raw_binary
 
 from tools.base.command import BadInput
 
 PADDED = re.compile(rb"offset=([\"'])\s*(\d+)\s*\1")  # numbers in a field of blanks, which the reader does not find
+# Cells of an image or a rectilinear grid, and what they are with their corners in the usual order; the reader knows neither.
+STRAIGHT = {"pixel": ("quad", [0, 1, 3, 2]), "voxel": ("hexahedron", [0, 1, 3, 2, 4, 5, 7, 6])}
+vtk_to_meshio_type.update({8: "pixel", 11: "voxel"})
+_vtk_42.vtk_type_to_numnodes[[8, 11]] = 4, 8
+num_nodes_per_cell.update(pixel=4, voxel=8)
+topological_dimension.update(pixel=2, voxel=3)
 GHOST = "vtkghosttype"  # of a cell: not 0 where another piece has it too, or where it is hidden
 
 
@@ -22,9 +32,9 @@ def read(path):
     raises."""
     if Path(path).suffix.lower() == ".pvtu":
         files = listed(path)
-        return without_ghosts(together([read(file) for file in files], path))
+        return cleaned(together([read(file) for file in files], path))
     if Path(path).suffix.lower() == ".vtk":
-        return without_ghosts(meshio.read(path, file_format="vtk"))
+        return cleaned(meshio.read(path, file_format="vtk"))
     head, mark, rest = Path(path).read_bytes().partition(b"<AppendedData")
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "piece.vtu"
@@ -36,7 +46,7 @@ def read(path):
         grid, found = root.find("UnstructuredGrid"), []
         parts = [] if grid is None else grid.findall("Piece")
         if len(parts) < 2:
-            return without_ghosts(meshio.read(copy, file_format="vtu"))
+            return cleaned(meshio.read(copy, file_format="vtu"))
         for part in parts:
             grid.remove(part)
         for part in parts:
@@ -45,7 +55,7 @@ def read(path):
                 xml.etree.ElementTree.ElementTree(root).write(copy)
                 found.append(meshio.read(copy, file_format="vtu"))
                 grid.remove(part)
-        return without_ghosts(together(found, path))
+        return cleaned(together(found, path))
 
 
 def listed(path):
@@ -85,8 +95,12 @@ def together(meshes, path):
         {name: [part for mesh in meshes for part in mesh.cell_data[name]] for name in meshes[0].cell_data})
 
 
-def without_ghosts(mesh):
-    """The mesh without cells that are marked as another piece's, or as hidden."""
+def cleaned(mesh):
+    """The mesh without cells that are marked as another piece's, or as hidden, and with usual cells for those of images."""
+    for block in mesh.cells:
+        if block.type in STRAIGHT:
+            block.type, order = STRAIGHT[block.type]
+            block.data = np.asarray(block.data)[:, order]
     name = next((name for name in mesh.cell_data if name.lower() == GHOST), None)
     if name is None:
         return mesh

@@ -1,4 +1,5 @@
 """The picture of a sweep: each quantity over the first parameter that varies, with the spread over seeds."""
+import re
 import textwrap
 
 import numpy as np
@@ -38,8 +39,9 @@ def units(sweep, records):
 
 
 def with_unit(name, unit):
-    """A label: the name, and its unit in brackets."""
-    return f"{name} ({unit})" if unit else name
+    """A label: the name, and its unit in brackets, powers raised."""
+    raised = re.sub(r"(?<=[A-Za-z])-?[0-9]+", r"$^{\g<0>}$", unit)
+    return f"{name} ({raised})" if unit else name
 
 
 def words_of(quantity):

@@ -136,9 +136,14 @@ def own_names(gmsh, source, dimension):
     groups = gmsh.model.getPhysicalGroups(dimension)
     names = {group: gmsh.model.getPhysicalName(dimension, group) for _, group in groups}
     try:
-        return own_labels(filter(None, names.values()), {group for group, name in names.items() if not name})
+        found = own_labels(filter(None, names.values()), {group for group, name in names.items() if not name})
     except BadInput as problem:
         raise BadInput(f"'{source}': {problem}") from None
+    for name, label in found.items():
+        if not name.isascii():
+            print(f"warning: no script can hold the name '{name}', for FreeFEM reads plain letters alone: a case writes the label "
+                f"{label} for it", file=sys.stderr)
+    return found
 
 
 def meshed(gmsh, source, size, all_sizes, dimension):
