@@ -35,6 +35,33 @@ border top(s = 1, 0) {{ x = s; y = 1; label = 14; }}
 border left(s = 1, 0) {{ x = 0; y = s; label = 11; }}
 savemesh(buildmesh(bottom(20) + right(20) + top(20) + left(20)), "{file}");
 """
+# Fifteen disks and ellipses in a square of syrup with two obstacles; the motions and inertia of those that are thrown: 0.114 J/m.
+CROWD = """
+border below(s = 0, 1) {{ x = s; y = 0; label = 13; }}
+border right(s = 0, 1) {{ x = 1; y = s; label = 12; }}
+border top(s = 1, 0) {{ x = s; y = 1; label = 14; }}
+border left(s = 1, 0) {{ x = 0; y = s; label = 11; }}
+border a(s = 0, 1) {{ x = 0.5700 - 0.2504*s; y = 0.7106 - 0.1060*s; label = 5; }}
+border b(s = 0, 1) {{ x = 0.3196 + 0.1466*s; y = 0.6046 + 0.2393*s; label = 5; }}
+border c(s = 0, 1) {{ x = 0.4662 + 0.1038*s; y = 0.8439 - 0.1333*s; label = 5; }}
+border d(s = 0, 1) {{ x = 0.6029 + 0.1886*s; y = 0.4769 - 0.1732*s; label = 5; }}
+border e(s = 0, 1) {{ x = 0.7915 - 0.1424*s; y = 0.3037 - 0.1048*s; label = 5; }}
+border f(s = 0, 1) {{ x = 0.6491 - 0.1393*s; y = 0.1989 + 0.1373*s; label = 5; }}
+border g(s = 0, 1) {{ x = 0.5098 + 0.0931*s; y = 0.3362 + 0.1407*s; label = 5; }}
+savemesh(buildmesh(below(16) + right(16) + top(16) + left(16) + a(4) + b(4) + c(3) + d(4) + e(3) + f(3) + g(3)), "{file}");
+"""
+SYRUP = """{
+    bodyAdd(0.77906, 0.66335, 0.11997, 0.06543, 0, 0, 0, 1); bodyEllipse(0.24674, 0.17614, 0.12118, 0.10235, 1.13475, 0.11549);
+    bodyPinned(bodyDisk(0.17126, 0.62451, 0.12490, 3.21947)); bodyAdd(0.45996, 0.18984, 0.07313, 0.84872, 0, 0, 0, 1);
+    bodyAdd(0.17155, 0.90077, 0.07553, 12.24427, -0.25713, -0.91835, -0.14646, 1);
+    bodyAdd(0.61100, 0.12029, 0.08102, 0.48191, 0, 0, 0, 1); bodyEllipse(0.40578, 0.48266, 0.11038, 0.06283, 3.13265, 6.79735);
+    bodyPinned(bodyEllipse(0.82257, 0.15403, 0.10621, 0.0625, 2.48489, 1.23137));
+    bodyAdd(0.09913, 0.33907, 0.06453, 0.34426, 0, 0, 0, 1);
+    bodyAdd(0.63592, 0.85249, 0.08731, 0.16246, 0.02022, -0.07685, 1.27145, 1);
+    bodyAdd(0.80437, 0.88874, 0.07169, 3.74515, -0.14612, -0.66897, 0.50552, 1);
+    bodyHeld(bodyDisk(0.86074, 0.43268, 0.09665, 8.12254)); bodyAdd(0.59837, 0.59628, 0.06757, 0.01156, 0, 0, 0, 1);
+    bodyAdd(0.38176, 0.88973, 0.09169, 2.01277, 0, 0, 0, 1); bodyAdd(0.25886, 0.36248, 0.06356, 0.10764, 0, 0, 0, 1);
+}"""
 
 
 def excess(run, start=0.0):
@@ -134,3 +161,37 @@ def test_a_light_disk_of_two_elements_does_not_drive_itself(throw, freefem, tmp_
         + rows[:, 3]**2 * (1 + rows[:, 8]**2) / 4 * rows[:, 7]**2)).sum()
     assert budget["kinetic_energy"].max() < start
     assert run.fluid["top_speed"].max() < 3 * np.hypot(*rows[:, 5:7].T).max()
+
+
+@pytest.mark.parametrize("film", [0, 1])
+def test_who_is_stopped_by_a_syrup_regains_less_in_shorter_steps(film, freefem_text, tmp_path):
+    """A heavy disk is thrown into a syrup (nu dt = 5 h^2 in the longest step), which stops it within a step. The move, extrapolated
+    from the last two velocities, then goes back by a hundredth of a radius: kinetic and potential energy rise by a thousandth of
+    what was there. It is an error of the order of the step, which vanishes. An earlier version rose by 18 % of its largest value."""
+    mesh, gravity, gains = tmp_path / "crowd.mesh", np.array([-0.47081, -0.88223]), []
+    text = case(SYRUP, walls="labelLeft, labelRight, labelObstacle", slip="labelBottom, labelTop", mu=0.97558, gravity=gravity[1])
+    text = CROWD.format(file=mesh) + text.replace("gravityX = 0", f"gravityX = {gravity[0]}")
+    for dt in (0.02, 0.005, 0.0025):
+        freefem_text(text, "-mesh", mesh, "-dt", dt, "-cfl", 0, "-tend", 0.12 if dt > 0.01 else 0.05, "-every", 0, "-film",
+            film, "-out", tmp_path / str(dt))
+        run = RunFolder(tmp_path / str(dt))
+        moves, made = run.table("particles"), run.table("entries")
+        shape = run.table("shapes")
+        net = dict(zip(made["id"], np.pi * shape["major"] * shape["minor"] * (made["density"] - 1)))
+        weight = np.array([net[one] for one in moves["id"]]) * (gravity @ [moves["x"], moves["y"]])
+        energy = run.fluid["kinetic_energy"] - np.array([weight[moves["step"] == one].sum() for one in run.fluid["step"]])
+        gains.append((energy - np.minimum.accumulate(energy)).max() / 0.114)
+    assert gains[0] < 2e-3 and gains[1] < 2e-3 / 16 and gains[2] < 1e-5
+
+
+@pytest.mark.parametrize("words", [("-dt", 0.006), ("-dt", 0.003), ("-dt", 0.006, "-restitution", 0.8)])
+def test_a_film_that_stops_a_disk_within_a_step_takes_its_energy_once(words, freefem_text, tmp_path):
+    """A heavy disk falls onto a floor in a thin fluid. The force of the film was taken for that of its step alone; BDF2 has a half
+    more in it, which it takes back in the next step, when the disk is at rest: a fifth of the work was dissipated beyond it."""
+    text = case("bodyDisk(0.5, 0.11, 0.1, 6.8);", mu=0.00027, gravity=-0.82)
+    freefem_text('int[int] sides = [13, 12, 14, 11];\n' + f'savemesh(square(12, 12, label = sides), "{tmp_path / "box.mesh"}");\n'
+        + text, "-mesh", tmp_path / "box.mesh", *words, "-tend", 0.24, "-every", 0, "-budget", 1, "-film", 1, "-out",
+        tmp_path / "run")
+    budget = RunFolder(tmp_path / "run").table("budget")
+    rest = budget["work"] - budget["kinetic_energy"] - budget["dissipated"]
+    assert budget["kinetic_energy"][-1] < 0.1 * budget["kinetic_energy"].max() and rest.min() > -0.05 * budget["work"].max()

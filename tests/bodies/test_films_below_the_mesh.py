@@ -162,10 +162,10 @@ def test_a_plane_of_symmetry_is_another_disk_in_the_mirror(box, freefem_text, tm
 
 LOOK = """macro caseStep() {
     real[int] q(3*bodyNumber), f(3*bodyNumber), s(0);
-    cout << "films " << filmN << " " << filmPairs << " " << filmListN << " " << filmPower(bodyQ) << endl;
+    filmForce(f);
+    cout << "films " << filmN << " " << filmPairs << " " << filmListN << " " << filmDrive() - f'*bodyQ << endl;
     if (filmN > 0) {
         for (int k = 0; k < bodyNumber; ++k) { q[k] = -bodyY[k]; q[bodyNumber + k] = bodyX[k]; q[2*bodyNumber + k] = 1; }
-        filmForce(f);
         real turn = 0;
         for (int k = 0; k < bodyNumber; ++k) turn += bodyX[k]*f[bodyNumber + k] - bodyY[k]*f[k] + f[2*bodyNumber + k];
         s.resize(3*bodyNumber); s = 0.; filmApply(q, s);
