@@ -222,6 +222,21 @@ def test_bad_files_are_refused(text, status, said, tmp_path):
     assert run.returncode == status and said in run.stderr and not (tmp_path / "o.csv").exists()
 
 
+def test_columns_come_in_any_order(freefem, tmp_path):
+    """Those of spheres, of their walls, and of disks, in a file of Windows too: the same velocities."""
+    files = {"s": ("scripts/project_spheres.edp", [HEADER, "7,0,0,1.02,1,1,1,0,-1", "9,4.05,0,5,3,27,-1,0,0"], [WALLS,
+        "-9,-9,0,9,-9,0,0,9,0"]), "d": ("scripts/project_velocities.edp", ["id,x,y,radius,mass,u,v", "7,0,1.02,1,1,1,-1",
+        "9,2.1,1.5,1,3,-1,0"], ["x1,y1,x2,y2", "-9,0,9,0"])}
+    for kind, (script, *tables) in files.items():
+        for turned, end in ((False, "\n"), (True, "\r\n")):
+            for name, rows in zip("bw", tables):
+                cells = [row.split(",") for row in rows]
+                (tmp_path / name).write_text("".join(",".join(row[::-1] if turned else row) + end for row in cells), newline="")
+            freefem(script, "-bodies", tmp_path / "b", "-walls", tmp_path / "w", "-dt", 0.1, "-out", tmp_path / f"{kind}{turned}")
+        found = (tmp_path / f"{kind}True").read_text()
+        assert found == (tmp_path / f"{kind}False").read_text() and float(found.splitlines()[1].split(",")[-1]) > -0.3
+
+
 def test_walls_and_the_plane_script_refuse(freefem_refused, tmp_path):
     """A triangle without an area; a sphere that overlaps a wall; prescribed motions that leave no room; the script for disks."""
     one = [[7, 0, 0, 0.5, 1, 1, 0, 0, 0]]
