@@ -85,8 +85,9 @@ def test_a_film_sees_the_sides_of_a_post_where_the_gap_is_narrow(corner, off, wh
     """A post of 16 sides, a gap of 0.01 (tools/peers/body_fitted/post_stokes.edp). Taken for a round one it had 3.5 times the
     resistance of its corner."""
     to = 0.3 + 2 * np.pi * corner / 16
-    freefem_text(scene(f"bodyHeld(bodyDisk({off * np.cos(to)}, {off * np.sin(to)}, 1, 1));", POST.format(to=to), gravity=0), "-mesh",
-        box, "-dt", 0.125, "-cfl", 0, "-stabilise", 0, "-tend", 0.75, "-every", 0, "-forces", 1, "-out", tmp_path / "run")
+    body = f"bodyHeld(bodyDisk({off * np.cos(to)}, {off * np.sin(to)}, 1, 1));"
+    freefem_text(scene(body, POST.format(to=to), gravity=0), "-mesh", box, "-dt", 0.125, "-cfl", 0, "-stabilise", 0, "-tend", 0.75,
+        "-every", 0, "-forces", 1, "-out", tmp_path / "run")
     forces = RunFolder(tmp_path / "run").table("forces")
     assert (forces["fx"][-1] * np.cos(to) + forces["fy"][-1] * np.sin(to)) / 1e-6 == pytest.approx(whole, rel=0.15)
 
