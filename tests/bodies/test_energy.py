@@ -167,7 +167,8 @@ def test_a_light_disk_of_two_elements_does_not_drive_itself(throw, freefem, tmp_
 def test_who_is_stopped_by_a_syrup_regains_less_in_shorter_steps(film, freefem_text, tmp_path):
     """A heavy disk is thrown into a syrup (nu dt = 5 h^2 in the longest step), which stops it within a step. The move, extrapolated
     from the last two velocities, then goes back by a hundredth of a radius: kinetic and potential energy rise by a thousandth of
-    what was there. It is an error of the order of the step, which vanishes. An earlier version rose by 18 % of its largest value."""
+    what was there. It is an error of the order of the step, which vanishes. An earlier version rose by 18 % of its largest
+    value."""
     mesh, gravity, gains = tmp_path / "crowd.mesh", np.array([-0.47081, -0.88223]), []
     text = case(SYRUP, walls="labelLeft, labelRight, labelObstacle", slip="labelBottom, labelTop", mu=0.97558, gravity=gravity[1])
     text = CROWD.format(file=mesh) + text.replace("gravityX = 0", f"gravityX = {gravity[0]}")

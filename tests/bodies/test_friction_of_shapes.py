@@ -52,7 +52,8 @@ def test_who_enters_later_keeps_its_friction(long_box, freefem_text, tmp_path):
     """A capsule and disks fall on an incline: they roll with 2/3 g sin a, slide with g (sin a - mu cos a), or lie."""
     a = np.radians(30)
     body = """queueShape(bodyRough(bodyCapsule(0.4, 0.17, 0.1, 0.06, 0, 1000), 0.9), 0);
-        queueShape(bodyCapsule(0.9, 0.17, 0.1, 0.06, 0, 1000), 0); queueRough(queueAt(1.3, 0.101, 0.1, 1000, 0), 0.7); queueRough(queueAt(1.7, 0.101, 0.1, 1000, 0), 0.1);"""
+        queueShape(bodyCapsule(0.9, 0.17, 0.1, 0.06, 0, 1000), 0); queueRough(queueAt(1.3, 0.101, 0.1, 1000, 0), 0.7);
+        queueRough(queueAt(1.7, 0.101, 0.1, 1000, 0), 0.1);"""
     run = run_of(freefem_text, long_box, tmp_path / "run", body, "-friction", 0, "-friction-wall", 1, "-film", 0, "-tend", 0.35,
         tilt=a, budget=0)
     drive, press = G * np.sin(a), G * np.cos(a)

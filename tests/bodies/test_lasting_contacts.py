@@ -31,8 +31,8 @@ def calm_impulses(run):
 def test_a_settling_heap_keeps_its_momentum_in_each_step(kind, seeds, off_by, mean, most, freefem_text, tmp_path):
     """Less the impulses of weight and walls, over that of the weight in a step: 0.04 and 0.10 (1.1 and 0.5 when gentle collisions
     kept the jumps of the projection, 0.17 when contacts could pull, 0.05 to 0.08 when the pressure between disks was rough; 0.053
-    when the budget counted lasting contacts of walls at the ends of the steps and all other forces by the trapezoidal rule). The largest contact force between collisions
-    varies with the seed of the disks' places:
+    when the budget counted lasting contacts of walls at the ends of the steps and all other forces by the trapezoidal
+    rule). The largest contact force between collisions varies with the seed of the disks' places:
     0.21, 0.15, 0.25, 0.11 (0.15, 0.40, 0.37, 0.14 with the rough pressure); of ellipses 0.13 (0.15)."""
     calm = []
     for seed in seeds:

@@ -246,8 +246,8 @@ CAPSULE = 'include "lib/case.idp"\ninclude "lib/bodies/shapes.idp"\n' + SLIDE
 
 
 def test_pieces_given_twice_with_few_digits_are_given_once(freefem_text, tmp_path):
-    """Joints lie up to 1e-4 beside the floor, 1.7e-3 radii. A capsule that moves by a third of its radius in a step lost 15 % of its
-    speed on pieces given twice, whose ends were free ends: the neighbour that each found was its own copy."""
+    """Joints lie up to 1e-4 beside the floor, 1.7e-3 radii. A capsule that moves by a third of its radius in a step lost 15 % of
+    its speed on pieces given twice, whose ends were free ends: the neighbour that each found was its own copy."""
     turn = turned(0.3)
     place = lambda x, y: turn @ (x, y) + (0, 12)
     floor = pieces(np.r_[0, np.sort(np.random.default_rng(7).uniform(0, 6, 14)), 6])

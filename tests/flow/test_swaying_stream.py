@@ -6,7 +6,8 @@ from tools.run_folder import RunFolder
 
 
 def test_far_from_a_moved_cylinder_the_stream_sways_without_a_pressure(meshes, run_folder):
-    """The inertia of the frame accelerates all fluid alike; without it the pressure would reach amplitude turn^2 25, that is 4.8."""
+    """The inertia of the frame accelerates all fluid alike; without it the pressure would reach amplitude turn^2 25, that is
+    4.8."""
     coarse = mesh(meshes, "started_cylinder", "--circle-points", 24)
     run_freefem("cases/started_cylinder.edp", "-reynolds", 185, "-amplitude", 0.2, "-mesh", coarse, "-dt", 0.05, "-tend", 0.5,
         "-fields", 0.5, "-tolerance", 1e-8, "-every", 0, "-out", run_folder)

@@ -19,7 +19,8 @@ def written(by, head="", mark="", point="."):
     written(","), written(";"), written("\t"), written("   "), written(" "), written(";", point=","), written("\t", point=","),
     written(",", mark="# "), written(",", head="% Model,a.mph\n% Version,6\n", mark="% "), written(",", head="# one\n\n# two\n"),
     written(",", head="\n[Name]\nPlane 1\n\n[Data]\n") + "\n[Faces]\n0, 1, 2\n",
-    written(",").replace("\n", ",\n"), written(";").replace("\n", ";\n"), written(";").replace("\n", "\r\n"), "\ufeff" + written("\t")])
+    written(",").replace("\n", ",\n"), written(";").replace("\n", ";\n"), written(";").replace("\n", "\r\n"),
+    "\ufeff" + written("\t")])
 def test_a_table_is_the_same_whatever_separates_its_columns(tmp_path, text):
     (tmp_path / "a.txt").write_bytes(text.encode())
     found = table_forms.read(tmp_path / "a.txt")
