@@ -373,12 +373,13 @@ def ended_by(number, words, folder):
     process = subprocess.Popen([sys.executable, *words], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
                                # tests in the background would have it ignored
                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
-    until = time.monotonic() + 20
-    while not (folder / "pid").is_file() and time.monotonic() < until:
+    # the file is there before its text
+    written, until = folder / "pid", time.monotonic() + 20
+    while not (written.is_file() and written.read_text().endswith("\n")) and time.monotonic() < until:
         time.sleep(0.05)
     process.send_signal(number)
     said = process.communicate(timeout=10)[1]
-    left = Path(f"/proc/{(folder / 'pid').read_text().strip()}/cmdline")
+    left = Path(f"/proc/{int(written.read_text())}/cmdline")
     return process.returncode, said, left.is_file() and left.read_bytes() != b""  # empty: it has ended, nobody has asked how
 
 
