@@ -10,7 +10,7 @@ from tools.base.run_folder import RunFolder
 
 CHANNEL = """include "lib/case.idp"
 optCase("channel", "a disk in a channel");
-optBaseUnits("cm", "g", "s");
+optUnits("cm", "g", "s");
 optDefault("-dt", "0.04");
 optDefault("-tolerance", "1e-8");
 optDefault("-forces", "1");

@@ -191,7 +191,7 @@ def test_a_case_declares_its_units_once(freefem_text, tmp_path):
     text = """
     include "lib/case.idp"
     optCase("trial", "units");
-    optBaseUnits("mm", "mg", "ms");
+    optUnits("mm", "mg", "ms");
     real own = optPositive("-own", 1, "s", "an option of the case"), other = optPositive("-other", 1, "mm", "another");
     optDriver();
     real tEnd = optPositive("-tend", 1, "s", "end"), speed = optPositive("-speed", 1, "m/s", "a speed");
@@ -207,9 +207,9 @@ def test_a_case_declares_its_units_once(freefem_text, tmp_path):
     assert {name: info["units"][name] for name in ("-own", "-other", "-tend", "-speed", "-maxwall", "-width")} == {"-own": "s",
         "-other": "mm", "-tend": "ms", "-speed": "mm/ms", "-maxwall": "s", "-width": "mm"}
     # a case that declares none: those of its own options
-    shown = freefem_text(text.replace('optBaseUnits("mm", "mg", "ms");', ""), "-help").stdout
+    shown = freefem_text(text.replace('optUnits("mm", "mg", "ms");', ""), "-help").stdout
     assert "-speed 1 mm/s " in shown and "-width 1 mm " in shown and "-tend 1 s " in shown
-    for words, says in (('optBaseUnits("mm", "mg/mm", "s");', "each a word of letters"),
-        ('optDriver(); optBaseUnits("mm", "mg", "s");', "before the driver is included")):
-        done = freefem_text(text.replace('optBaseUnits("mm", "mg", "ms");', words), check=False)
+    for words, says in (('optUnits("mm", "mg/mm", "s");', "each a word of letters"),
+        ('optDriver(); optUnits("mm", "mg", "s");', "before the driver is included")):
+        done = freefem_text(text.replace('optUnits("mm", "mg", "ms");', words), check=False)
         assert done.returncode == 3 and says in done.stderr and done.stderr.count("\n") == 1

@@ -32,7 +32,7 @@ optDefault("-wallforces", "1");
 real rhoFluid = 1, mu = 1, gravityX = 0, gravityY = 0;
 int[int] flowNoSlip = labelsOf("floor, wall"), flowMoving = labelsOf("left arm, right arm"), flowOutlet = labelsOf("drain");
 int[int] flowSlip = labelsOf("mirror");
-int leftArm = labelOf("left arm");
+int leftArm = optLabel("left arm");
 macro boundaryU() ((label == leftArm ? 2. : -1.)*y*(2 - y)) // EOM
 func real boundaryRamp(real t) { return 1; }
 real flowPeriodX = 0, flowPeriodY = 0, motionBound = 1e30;
@@ -92,7 +92,7 @@ def test_names_do_not_change_a_flow(arms, run, tmp_path):
     numbers = re.sub(r'labelsOf\("(.*?)"\)', lambda found: "[" + ", ".join(str({name: label for label,
         name in (run.sides | {3: "wall"}).items()}[name]) for name in found.group(1).split(", ")) + "]", text)
     for name, case in (("declared", text.replace('real rhoFluid', declared + 'real rhoFluid')),
-        ("numbers", numbers.replace('labelOf("left arm")', "21"))):
+        ("numbers", numbers.replace('optLabel("left arm")', "21"))):
         (tmp_path / f"{name}.edp").write_text(case)
         run_freefem(tmp_path / f"{name}.edp", "-out", tmp_path / name)
         for table in ("fluxes", "wallforces", "particles", "exits"):
@@ -126,8 +126,8 @@ def test_any_number_of_sides(tmp_path, freefem_text):
     mesh = read_medit(tmp_path / "ring.mesh")
     assert sorted(set(mesh.edge_labels)) == list(range(FIRST_OWN, FIRST_OWN + SIDES))
     said = freefem_text('include "lib/mesh/read_mesh.idp"\nmesh Th = meshRead("' + f'{tmp_path}/ring.mesh");\n'
-        f'for (int k = 0; k < {SIDES}; ++k) cout << "at " << k << " " << int1d(Th, labelOf("side no. " + k))(x) << " " '
-        f'<< int1d(Th, labelOf("side no. " + k))(1.) << endl;\n').stdout
+        f'for (int k = 0; k < {SIDES}; ++k) cout << "at " << k << " " << int1d(Th, optLabel("side no. " + k))(x) << " " '
+        f'<< int1d(Th, optLabel("side no. " + k))(1.) << endl;\n').stdout
     rows = np.array([line.split()[1:] for line in said.splitlines() if line.startswith("at ")], float)
     middles, lengths = (corners + np.roll(corners, -1, axis=0)) / 2, np.linalg.norm(corners - np.roll(corners, -1, axis=0), axis=1)
     assert rows[:, 1] == pytest.approx(middles[:, 0] * lengths, abs=1e-5) and rows[:, 2] == pytest.approx(lengths, rel=1e-5)
