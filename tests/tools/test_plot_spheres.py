@@ -270,8 +270,8 @@ def test_fixed_spheres_have_no_paths(space, tmp_path, capsys):
 
 def test_a_held_sphere_has_no_path_that_counts(space, tmp_path, monkeypatch):
     (tmp_path / "mesh.mesh").write_bytes((space / "mesh.mesh").read_bytes())
-    write_csv(tmp_path / "particles.csv", NAMES, [[k, k, i, 0.5, 0.5, 1 + 0.1 * k * i, 0, 0, 0.1 * i, 0, 0, 0, 0.2] for k in range(3)
-        for i in range(2)])
+    write_csv(tmp_path / "particles.csv", NAMES, [[k, k, i, 0.5, 0.5, 1 + 0.1 * k * i, 0, 0, 0.1 * i, 0, 0, 0, 0.2]
+        for k in range(3) for i in range(2)])
     write_csv(tmp_path / "entries.csv", ["t", "id", "radius", "density", "free"], [[0, 0, 0.2, 1, 0], [0, 1, 0.2, 1, 1]])
     kept = []
     monkeypatch.setattr(plot.spheres, "save", lambda figure, path: kept.append(figure))

@@ -172,7 +172,8 @@ def plot_chains(run, path):
     force = contacts["impulse"][now] / step
     a = np.column_stack([frame["x"], frame["y"]])[i]
     normal = np.column_stack([contacts["nx"][now], contacts["ny"][now]])
-    shape = np.column_stack([frame["theta"], frame["radius"], [r * run.aspect(one) for one, r in zip(frame["id"], frame["radius"])]])
+    minor = [r * run.aspect(one) for one, r in zip(frame["id"], frame["radius"])]
+    shape = np.column_stack([frame["theta"], frame["radius"], minor])
     b = a - normal * contacts["gap"][now][:, None] + [reach(-n, *shape[k]) for n, k in zip(normal, i)]
     b -= [reach(n, *shape[place[k]]) if k >= 0 else 0 * n for n, k in zip(normal, j)]
     if "x" in contacts:  # bodies of any shape: from both centres to the point of contact
