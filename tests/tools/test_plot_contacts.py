@@ -144,6 +144,8 @@ def test_ellipses_and_held_bodies_of_contacts_are_drawn_as_such(freefem_text, tm
     assert sum(abs(bodies._heights - 0.5 * bodies._widths) < 1e-9) == 1 and hatched.get_hatch() and len(hatched.get_offsets()) == 1
     assert drawn[0].get_suptitle().endswith("(hatched: held)")
     plt.close(drawn[0])
+    monkeypatch.setattr(plot_contacts, "shot", lambda figure: figure.axes[0].get_title())
+    assert next(plot_contacts.shots(run, [0])).endswith("(hatched: held)")
 
 
 def test_a_film_of_contacts_has_as_many_frames_as_asked_for(tmp_path):

@@ -252,7 +252,7 @@ def shots(run, places):
             disks.set_offsets(np.column_stack([frame["x"], frame["y"]]))
             disks.set_array(np.clip(frame["speed"], *run.speeds))
         next(part for part in axes.collections if part.get_label() == "walls").set_segments(run.walls_at(run.times[k]))
-        axes.set_title(f"{run.title}: {time_text(run.times[k], run.units['time'], run.times[-1])}", pad=4)
+        axes.set_title(f"{run.title}: {time_text(run.times[k], run.units['time'], run.times[-1])}{run.look.words()}", pad=4)
         yield shot(figure)
     plt.close(figure)
 
