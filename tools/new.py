@@ -30,6 +30,8 @@ ROOMS = {"resolved.edp": "bodies", "spheres.edp": "spheres", "flow.edp": "flow",
 DRAWN = {"resolved.edp": "plot", "spheres.edp": "plot", "flow.edp": "plot", "steady.edp": "plot_steady", "steady_laminar.edp": "plot_steady",
     "transport.edp": "plot_transport", "contacts.edp": "plot_contacts", "contact_spheres.edp": "plot_contacts"}
 
+PICTURE = {"plot": "fields", "plot_steady": "streamlines", "plot_transport": "transport", "plot_contacts": "frames"}
+
 # What a test judges of a run of a few steps: {tables} stands for what the driver writes.
 JUDGED = '''    assert run.status == "finished" and run.case == "{name}"
     for table in {tables}:
@@ -199,7 +201,8 @@ def page(name, like, case):
     for kind, block in blocks(lines[1:]):
         text += prose(block) + "\n\n" if kind == "prose" else f"```text\n{block}\n```\n\n"
     text += f"## Picture\n\nOf a run in the folder RUN, as `results/{name}/run_001`: {prose(command_of_picture(like))}.\n\n"
-    text += f"<!-- ![{titled(name)}](results/{name}/run_001/fields.png) -->\n\n"
+    picture = PICTURE.get(command_of_picture(like).split()[2].removeprefix("tools."), "fields")
+    text += f"<!-- ![{titled(name)}](results/{name}/run_001/{picture}.png) -->\n\n"
     return text + f"## Test\n\n```text\npython -m pytest test_{name}.py\n```\n"
 
 

@@ -192,11 +192,11 @@ cout << "made " << made << endl;
 """
 
 
-def write_strip(file, along, across, turn, figures, origin=(0.0, 0.0)):
+def write_strip(file, along, across, turn, figures, origin=(0.0, 0.0), bend=0.0):
     """A strip of so many squares along and across, from (0, 0) to (along/10, across/10), turned; coordinates with so many
-    significant digits."""
+    significant digits; bend: slope of its second half."""
     x, y = np.meshgrid(np.arange(along + 1) / 10, np.arange(across + 1) / 10)
-    points = np.c_[x.ravel(), y.ravel()] @ turned(turn).T + origin
+    points = np.c_[x.ravel(), (y + bend * np.maximum(x - along / 20, 0)).ravel()] @ turned(turn).T + origin
     at = lambda i, j: j * (along + 1) + i + 1
     triangles = [(*t, 0) for i in range(along) for j in range(across) for t in ((at(i, j), at(i + 1, j), at(i + 1, j + 1)),
         (at(i, j), at(i + 1, j + 1), at(i, j + 1)))]
@@ -225,6 +225,17 @@ def test_walls_of_a_mesh_with_few_digits_are_straight(turn, origin, figures, fre
     last = RunFolder(tmp_path / "run").particles
     assert t @ (last["x"][-1] - first[0], last["y"][-1] - first[1]) == pytest.approx(5.5, abs=5e-6) and t @ (last["u"][-1],
         last["v"][-1]) == pytest.approx(1, abs=1e-6)
+
+
+@pytest.mark.parametrize("figures, bend", [(5, 3e-4), (6, 3e-4), (5, 2e-3), (16, 3e-4)])
+def test_a_side_of_a_mesh_that_bends_a_little_is_two_walls(figures, bend, freefem_text, tmp_path):
+    """It was a hundred, as the whole side was not straight."""
+    write_strip(tmp_path / "strip.mesh", 60, 4, 0.37, figures, bend=bend)
+    assert "made 6\n" in freefem_text(STRIP.format(file=tmp_path / "strip.mesh", walls=tmp_path / "walls.csv")).stdout
+    walls = read_table(tmp_path / "walls.csv")
+    ends = np.array([np.r_[walls["x1"], walls["x2"]], np.r_[walls["y1"], walls["y2"]]]).T @ turned(0.37)
+    inner = ends[(ends[:, 0] > 1) & (ends[:, 0] < 5)]
+    assert inner[:, 0] == pytest.approx(np.full(4, 3), abs=2 * 10.0 ** (1 - figures) / bend + 1e-6)
 
 
 @pytest.mark.parametrize("figures", [5, 6, 16])

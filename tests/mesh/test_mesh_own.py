@@ -63,7 +63,7 @@ def test_a_command_of_its_own_does_the_same(tmp_path):
 
 
 def made(folder, text, *words, name="my.geo"):
-    (folder / name).write_text(text)
+    (folder / name).write_bytes(text if isinstance(text, bytes) else text.encode())
     return command("own", "--from", folder / name, "--out", folder / "my.mesh", *words)
 
 
@@ -125,6 +125,8 @@ def test_a_mesh_by_gmsh_gives_the_same(version, tmp_path):
      "my.msh", "add a Physical Surface"),
     (SCRIPT, "my.step", "takes a gmsh script"),
     (SCRIPT.rstrip("\n"), "my.geo", "ends without a newline"),
+    (SCRIPT.replace('"inlet"', '"entr\xe9e"').encode("latin-1"), "my.geo", "no UTF-8 text"),
+    (SCRIPT.encode("utf-16"), "my.geo", "no plain text"),
     (SCRIPT + "Mesh.ScalingFactor = 0;\n", "my.geo", "must be above 0"),
     (SCRIPT + "Transfinite Surface {2}; Recombine Surface {2};\n", "my.geo", "only triangles of three nodes are taken: leave out "
         "Recombine"),

@@ -25,6 +25,18 @@ def test_compressed_fields_hold_the_same_numbers_in_less_room(single, tmp_path):
     assert [path.read_bytes() for path in sorted(folder.glob("fields_*.vtu"))] == once
 
 
+def test_the_one_field_file_of_a_steady_flow_is_compressed(tmp_path):
+    folder = write_run(tmp_path / "run", steps=10, fields=1, n=8)
+    (folder / "fields_0.vtu").rename(folder / "fields.vtu")
+    for path in (folder / "fields.pvd", *folder.glob("fields_*.vtu")):
+        path.unlink()
+    before, size = RunFolder(folder).field(0)[1]["velocity"], (folder / "fields.vtu").stat().st_size
+    done = run_tool("compress", folder)
+    assert done.returncode == 0 and done.stdout.startswith("1 field: "), done.stderr
+    assert (folder / "fields.vtu").stat().st_size < 0.65 * size
+    assert np.array_equal(RunFolder(folder).field(0)[1]["velocity"], before)
+
+
 def test_runs_that_cannot_be_compressed_are_refused_in_a_line(tmp_path):
     folder = write_run(tmp_path / "run", steps=10)
     done = run_tool("compress", folder)

@@ -284,6 +284,8 @@ def test_tables_that_are_refused(tmp_path):
     assert "--mesh names the mesh" in refused(tmp_path, good)
     assert "there" in refused(tmp_path, tmp_path / "none.csv", *mesh)
     assert "there" in refused(tmp_path, good, "--mesh", tmp_path / "none.msh")
+    (tmp_path / "wide.csv").write_bytes(good.read_text().encode("utf-16"))
+    assert "no plain text (UTF-16" in refused(tmp_path, tmp_path / "wide.csv", *mesh)
     bad = table(tmp_path / "a.csv", "a,y,u,v", places, one, one)
     assert "lacks the columns x and y; it has a, y, u, v" in refused(tmp_path, bad, *mesh)
     assert "no velocities" in refused(tmp_path, table(tmp_path / "b.csv", "x,y,p,v", places, one, one), *mesh)

@@ -77,6 +77,12 @@ def test_every_case_can_be_begun_from(like):
         assert re.sub("(?m)^//.*\n", "", case).replace("my_case", like) == re.sub("(?m)^//.*\n", "", text)
 
 
+@pytest.mark.parametrize("like, picture", [("settling_disk", "fields"), ("two_spheres", "fields"), ("given_flow", "transport"),
+    ("diaphragm_loss", "streamlines"), ("heap", "frames"), ("falling_spheres", "frames")])
+def test_a_page_names_the_picture_that_its_tool_draws(like, picture):
+    assert f"results/my_case/run_001/{picture}.png" in new.page("my_case", like, "// My case: nothing.\n")
+
+
 @pytest.mark.parametrize("words, said", [
     (["1st", "--like", "template"], "'1st' cannot be the name"), (["my case", "--like", "template"], "cannot be the name"),
     (["class", "--like", "template"], "cannot be the name"), (["../x", "--like", "template"], "cannot be the name"),

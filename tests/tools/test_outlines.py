@@ -7,7 +7,7 @@ from tests.synthetic import write_csv
 from tools import bodies as bodies_command
 from tools.base.outlines import loops_of, placed
 from tools.base.run_folder import RunFolder
-from tools.plot import bodies, contacts as plot_contacts
+from tools.plot import bodies, contacts as plot_contacts, overlays
 from tools.plot.style import plt
 
 SQUARE = [[-1, -1], [1, -1], [1, 1], [-1, 1]]
@@ -30,6 +30,15 @@ def test_a_convex_part_is_one_loop_of_its_area(points, closed, exact):
 def test_a_part_with_an_inner_corner_is_a_union():
     hook = np.array([[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]], float)
     assert len(loops_of(hook, 1, 0.1)) == 7 and len(loops_of(hook, 0, 0.1)) == 5
+
+
+def test_the_rim_of_a_union_leaves_out_what_lies_within():
+    """Two disks of the radius 1 a distance of 1 apart: each shows 2/3 of its rim."""
+    disk = loops_of(np.array([[0.0, 0.0]]), 0, 1.0)[0]
+    corners = overlays.rim([disk, disk + [1, 0]]).get_path().vertices.reshape(-1, 2, 2)
+    assert np.hypot(*(corners[:, 1] - corners[:, 0]).T).sum() == pytest.approx(2 * 4 / 3 * np.pi, rel=0.005)
+    middle = corners.mean(axis=1)
+    assert (np.hypot(middle[:, 0], middle[:, 1]) > 0.99).all() and (np.hypot(middle[:, 0] - 1, middle[:, 1]) > 0.99).all()
 
 
 def test_bodies_are_turned_about_their_centres():

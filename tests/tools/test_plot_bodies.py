@@ -3,6 +3,7 @@ import json
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgba
 
 from tests.conftest import run_tool
 from tests.synthetic import write_csv, write_run
@@ -10,7 +11,7 @@ from tools.base.command import BadInput
 from tools.base.mesh_files import SIDES
 from tools.base.run_folder import RunFolder
 from tools.meshing.labels import NAMES
-from tools.plot import captions, colour, overlays, resolved as plot, series as timeline
+from tools.plot import captions, colour, overlays, resolved as plot, series as timeline, style
 from tools.plot.style import frame, panels, plt, time_text
 
 
@@ -147,7 +148,35 @@ def test_the_flux_through_each_outlet_is_a_curve(bodies):
     assert timeline.outlets(run) == []
     assert {number: NAMES[number] for number in SIDES} == SIDES
     names = ["inlet", "feed pipe", "right arm", "drain"]
-    assert [timeline.beside(names, signs) for signs in (45, 35, 5)] == [3, 2, 1]
+    assert [timeline.beside(names, signs) for signs in (50, 38, 5)] == [3, 2, 1]
+
+
+def test_legends_end_within_their_panels(bodies, monkeypatch):
+    t = bodies.fluid["t"]
+    curves = [("x", [(name, t) for name in names], False) for names in (["sphere 0", "sphere 1", "sphere 2"], ["inlet", "outlet"],
+        ["particles inside", "contacts"], ["inlet", "feed pipe", "right arm", "drain"])]
+    monkeypatch.setattr(timeline, "series", lambda run: curves)
+    figures = drawn(monkeypatch, timeline)
+    timeline.plot_series(bodies, None)
+    figures[0].draw_without_rendering()
+    for axes in figures[0].axes:
+        legend, room = axes.get_legend().get_window_extent(), axes.get_window_extent()
+        assert room.x0 < legend.x0 and legend.x1 < room.x1
+    plt.close(figures[0])
+
+
+def test_hatches_and_radii_are_seen_on_every_colour(bodies):
+    look = colour.Look(bodies, "density")
+    here = bodies.particles_at(0.6)
+    for density, seen in ((0.0, "PALE"), (1.0, "BODY_EDGE")):
+        faces = plt.get_cmap("plasma")(np.full(len(here[0]), density))
+        figure, (axes,), _ = panels(1, bodies.extent)
+        style.particle_artists(axes, here, look=(faces, look.at(here, 0.6)[1]))
+        pen = to_rgba(getattr(style, seen))
+        hatched = [one for one in axes.collections if one.get_hatch()]
+        assert len(hatched) == 1 and np.allclose(hatched[0].get_edgecolor()[0], pen)
+        assert np.allclose(axes.collections[-1].get_colors(), pen)
+        plt.close(figure)
 
 
 def test_no_panel_is_empty(bodies, monkeypatch):

@@ -123,6 +123,31 @@ def test_a_run_of_contacts_without_a_row_of_its_motion_is_refused(tmp_path):
         plot_contacts.main([str(tmp_path)])
 
 
+BODIES = """include "lib/case.idp"
+optCase("bodies", "an ellipse beside a held disk");
+real gravityX = 0, gravityY = -10;
+macro caseWalls() contactWallSegment(0, 0, 9, 0); // EOM
+macro caseParticles() bodyEllipse(2, 4, 2, 1, 0.3, 1); bodyHeld(bodyDisk(6, 4, 1.5, 1)); // EOM
+include "scripts/contacts.edp"
+"""
+
+
+def test_ellipses_and_held_bodies_of_contacts_are_drawn_as_such(freefem_text, tmp_path, monkeypatch):
+    """An ellipse was a disk in pictures and for ParaView, and a held body looked free."""
+    freefem_text(BODIES, "-tend", 0.02, "-out", tmp_path / "run")
+    run = plot_contacts.ContactRun(tmp_path / "run")
+    assert run.aspect(0) == 0.5 and run.aspect(1) == 1 and run.held == {1}
+    drawn = []
+    monkeypatch.setattr(plot_contacts, "save", lambda figure, path: drawn.append(figure))
+    plot_contacts.plot_frames(run, None)
+    bodies, hatched = [one for one in drawn[0].axes[0].collections if type(one).__name__ == "EllipseCollection"]
+    assert sum(abs(bodies._heights - 0.5 * bodies._widths) < 1e-9) == 1 and hatched.get_hatch() and len(hatched.get_offsets()) == 1
+    assert drawn[0].get_suptitle().endswith("(hatched: held)")
+    plt.close(drawn[0])
+    monkeypatch.setattr(plot_contacts, "shot", lambda figure: figure.axes[0].get_title())
+    assert next(plot_contacts.shots(run, [0])).endswith("(hatched: held)")
+
+
 def test_a_film_of_contacts_has_as_many_frames_as_asked_for(tmp_path):
     """By the option that films of flows have too."""
     from PIL import Image

@@ -268,6 +268,19 @@ def test_fixed_spheres_have_no_paths(space, tmp_path, capsys):
     assert [panel[0] for panel in time_series.series(SphereRun(tmp_path))] == ["kinetic energy (J)"]
 
 
+def test_a_held_sphere_has_no_path_that_counts(space, tmp_path, monkeypatch):
+    (tmp_path / "mesh.mesh").write_bytes((space / "mesh.mesh").read_bytes())
+    write_csv(tmp_path / "particles.csv", NAMES, [[k, k, i, 0.5, 0.5, 1 + 0.1 * k * i, 0, 0, 0.1 * i, 0, 0, 0, 0.2]
+        for k in range(3) for i in range(2)])
+    write_csv(tmp_path / "entries.csv", ["t", "id", "radius", "density", "free"], [[0, 0, 0.2, 1, 0], [0, 1, 0.2, 1, 1]])
+    kept = []
+    monkeypatch.setattr(plot.spheres, "save", lambda figure, path: kept.append(figure))
+    plot.spheres.plot_trajectories(SphereRun(tmp_path), None)
+    assert kept[0].texts[0].get_text().endswith("path of one sphere (hatched: held)")
+    assert [bool(one.get_hatch()) for one in kept[0].axes[0].patches] in ([True, False], [False, True])
+    plt.close(kept[0])
+
+
 def test_tools_that_are_for_plane_runs_say_so(space, folder):
     for words in (["--show", "vorticity"], ["--streamlines"]):
         with pytest.raises(BadInput, match=f"{' '.join(words[:1])}.* is for plane runs; .* is a run in three dimensions"):

@@ -93,7 +93,8 @@ def test_bodies_that_enter_and_leave_are_nan_elsewhere(tmp_path):
     assert np.isnan(bodies.x).tolist() == [[False, True, False], [False] * 3, [False] * 3, [True, False, False]]
     assert bodies.of(9)["x"].tolist() == [9, 10, 11, 12]
     for wrong, says in ((lambda: bodies.of(3), "no particle 3"), (lambda: RunFolder(tmp_path).over_time("velocity"),
-        "has no fields"), (lambda: RunFolder(tmp_path).grid(), "has no fields")):
+        "has no fields"), (lambda: RunFolder(tmp_path).grid(), "has no fields"),
+        (lambda: RunFolder(tmp_path).field(9), "has no fields")):
         with pytest.raises(BadInput, match=says):
             wrong()
     with pytest.raises(AttributeError, match="no column mass; it has x, y"):

@@ -12,6 +12,8 @@ from tests.conftest import ROOT, run_freefem, run_tool
 from tools.base import engine
 from tools.base.command import BadInput
 from tools.many import figure, plan, sweep as sweep_tool
+from tools.plot.captions import with_power
+from tools.plot.style import plt
 
 # A stand-in for a case: y falls with a, and depends on the seed; it can fail, and be killed the first time.
 SCRIPT = """
@@ -166,6 +168,18 @@ def test_an_array_job_makes_a_run_a_task(case, tmp_path, capsys):
     assert rows_of(out / "sweep.csv")[0]["reason"] == "not run yet"
     mean, = rows_of(out / "means.csv")
     assert (mean["seed"], mean["runs"], mean[f"{Y} number"], mean[f"{Y} standard error"]) == ("4", "3", "1", "nan")
+
+
+@pytest.mark.parametrize("quantity, unit", [("motion.csv:kinetic_energy:max", "mg mm/s2"), ("mean_v", "m/s"),
+    ("wallforces.csv:fy:label=21:t>0.5:timemean", "mg/s2"), ("fluid.csv:pressure_drop:timemean", "kg/(m s2)")])
+def test_a_label_is_as_long_as_its_panel(quantity, unit):
+    """With a power of ten, which an axis may get, too."""
+    drawn, axes = plt.subplots(figsize=(4, 2.4), layout="constrained")
+    axes.set_ylabel(with_power(figure.words_of(quantity, unit), 7))
+    drawn.draw_without_rendering()
+    box = axes.yaxis.label.get_window_extent()
+    assert 0 < box.y0 and box.y1 < drawn.bbox.height and "($10^{7}$ " in axes.get_ylabel()
+    plt.close(drawn)
 
 
 @pytest.mark.parametrize("words, found", [

@@ -86,15 +86,14 @@ class Arrays:
     def field_file(self, k=-1):
         """The path of the k-th field file; of a steady flow, and of point particles in a steady flow, there is one, without a time.
         Raises BadInput where there is none."""
-        number = max(len(self.fields), 1)
+        single = [self.folder / name for name in ("fields.vtu", "fields_0000000.vtu")]
+        paths = [path for _, path in self.fields] or [path for path in single if path.is_file()][:1]
+        number = len(paths)
+        if not paths:
+            raise BadInput(f"the run {self.folder} has no fields: the option -fields writes them, where the case has it")
         if not -number <= k < number:
             raise BadInput(f"the run {self.folder} has {number} field files, 0 to {number - 1}; there is no {k}")
-        if self.fields:
-            return self.fields[k][1]
-        for name in ("fields.vtu", "fields_0000000.vtu"):
-            if (self.folder / name).is_file():
-                return self.folder / name
-        raise BadInput(f"the run {self.folder} has no fields: the option -fields writes them, where the case has it")
+        return paths[k]
 
     def grid(self, k=-1):
         """The k-th field file (the last by default) as a pyvista.UnstructuredGrid. Raises BadInput where there is none, or pyvista

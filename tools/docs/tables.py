@@ -31,6 +31,7 @@ TRANSPORT = "scripts/transport.edp"
 CONTACTS = "scripts/contacts.edp"
 SPHERES = "lib/spheres/record.idp"
 DRY = "lib/spheres/dry_record.idp"
+ENTRIES, PRESENT = "lib/bodies/entry_table.idp", "lib/spheres/sphere_entries.idp"
 FLUID = (RECORD, "step, t, dt (s), iterations", "Exit codes")
 TABLES = [
     Table("particles.csv", "every run with particles", PARTICLES, (PARTICLES, "step, t (s), id", "; contacts.csv")),
@@ -38,9 +39,10 @@ TABLES = [
     Table("walls.csv", "every run with walls", "", ("scripts/project_velocities.edp", "x1,y1,x2,y2", "Writes"), "x1,y1,x2,y2"),
     Table("fluid.csv", "`resolved.edp`", RECORD, FLUID),
     Table("fluid.csv", "`flow.edp`", "scripts/flow.edp", FLUID),
-    Table("entries.csv", "`resolved.edp`", RECORD, (RECORD, "for particles that have", "recordExits")),
+    Table("entries.csv", "`resolved.edp` and `contacts.edp`", ENTRIES, (ENTRIES, "t (s), x, y (m)", "shapes.csv id")),
     Table("exits.csv", "`resolved.edp`", RECORD, (RECORD, "for particles removed", "recordStep")),
-    Table("shapes.csv", "`resolved.edp`, where a particle is an ellipse", RECORD, (RECORD, "id, semi-axes in m", "recordEntries")),
+    Table("shapes.csv", "`resolved.edp` and `contacts.edp`, where a particle is an ellipse", ENTRIES, (ENTRIES, "id, semi-axes in m",
+        "Exit codes")),
     Table("forces.csv", "`resolved.edp` with `-forces 1`", "lib/record/body_forces.idp", ("lib/record/body_forces.idp",
         "t (s), id, fx, fy (N/m)", "Exit codes")),
     Table("forces.csv", "`flow.edp` with `-forces 1`", "scripts/flow.edp", ("scripts/flow.edp", "t, force_x, force_y in N/m",
@@ -62,7 +64,7 @@ TABLES = [
         "wallforces.csv: t, label", "sidesWrite")),
     Table("fluxes.csv", "`spheres.edp` with `-fluxes 1`", "lib/spheres/sphere_sides.idp", ("lib/spheres/sphere_sides.idp",
         "fluxes.csv: t (s), label, flux", "wallforces.csv: t")),
-    Table("entries.csv", "`spheres.edp`", "lib/spheres/enter.idp", ("lib/spheres/enter.idp", "t, s; id", "enterWrite")),
+    Table("entries.csv", "`spheres.edp` and `contact_spheres.edp`", PRESENT, (PRESENT, "t, s; id", "presentRows")),
     Table("exits.csv", "`spheres.edp`", "lib/spheres/leave.idp", ("lib/spheres/leave.idp", "t, s; id", "leaveFind")),
     Table("budget.csv", "`spheres.edp` with `-budget 1`", "lib/spheres/sphere_budget.idp", ("lib/spheres/sphere_budget.idp",
         "t, momentum (3, N s)", "balanceTouch")),

@@ -5,10 +5,9 @@ with # or % are remarks; the last of them is the header where only numbers follo
 the section [Data] counts. A separator at the end of every line makes no column.
 """
 import re
-from pathlib import Path
 
 from tools.base.command import BadInput
-from tools.base.tables import columns, is_number
+from tools.base.tables import columns, is_number, text_of
 
 KINDS = ".csv", ".txt", ".tsv"  # endings of their names
 REMARKS = "#", "%"
@@ -44,10 +43,7 @@ def data_section(lines):
 
 def read(path):
     """The columns of the table, {name: array}; all values are finite. Raises BadInput."""
-    try:
-        lines = list(enumerate(Path(path).read_text(encoding="utf-8-sig", errors="replace").splitlines(), 1))
-    except OSError as problem:
-        raise BadInput(f"cannot read the table {path}: {problem}") from None
+    lines = list(enumerate(text_of(path, "replace").splitlines(), 1))
     lines = data_section([(number, line) for number, line in lines if line.strip()])
     first = next((place for place, (_, line) in enumerate(lines) if not line.lstrip().startswith(REMARKS)), len(lines))
     body = [(number, line) for number, line in lines[first:] if not line.lstrip().startswith(REMARKS)]

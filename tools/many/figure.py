@@ -13,6 +13,7 @@ from tools.many.table import is_number, mean_and_error, state
 from tools.plot.style import MARKERS, PAGE_WIDTH, curve, plt, save
 
 WIDE = 20  # ratio of the largest to the least value from which an axis is logarithmic
+LINE = 32  # signs of a line of a label
 FEW = 8  # values that are ticks of their own
 NAMED = {"mean_u": (1, -1, 0), "mean_v": (1, -1, 0), "mean_w": (1, -1, 0), "peak_speed": (1, -1, 0), "mean_omega": (0, -1, 0),
     "final_x": (1, 0, 0), "final_y": (1, 0, 0), "final_z": (1, 0, 0), "mean_kinetic_energy": (1, -2, 1),
@@ -44,9 +45,11 @@ def with_unit(name, unit):
     return f"{name} ({raised})" if unit else name
 
 
-def words_of(quantity):
-    """A quantity for the label of an axis."""
-    return "\n".join(textwrap.wrap(quantity.removeprefix("result:").replace(":", " ").replace("_", " "), 32))
+def words_of(quantity, unit=""):
+    """A quantity and its unit for the label of an axis, in lines; the unit may get a power of ten."""
+    words = "\n".join(textwrap.wrap(quantity.removeprefix("result:").replace(":", " ").replace("_", " "), LINE))
+    long = unit and len(f"{words.rpartition(chr(10))[2]} ({unit})") > LINE - 5
+    return f"{words}\n{with_unit('', unit).strip()}" if long else with_unit(words, unit)
 
 
 def axis_of(sweep):
@@ -92,7 +95,7 @@ def draw(sweep, records, groups):
         fit(axes)
         axes.margins(x=0.08)
         axes.grid(True)
-        axes.set_ylabel(with_unit(words_of(name), of_quantity.get(name, "")))
+        axes.set_ylabel(words_of(name, of_quantity.get(name, "")))
     panels[-1, 0].set_xlabel(with_unit(along, of_parameter.get(along, "")))
     handles, labels = panels[0, 0].get_legend_handles_labels()
     if labels:

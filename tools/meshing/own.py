@@ -50,10 +50,12 @@ def build(options):
     if source.suffix not in KINDS:
         raise BadInput(f"--from takes a gmsh script (.geo) or mesh (.msh), not '{source}'")
     try:
-        last = source.read_bytes().rpartition(b"\n")[2]
+        text = source.read_bytes()
     except OSError as problem:
         raise BadInput(f"cannot read '{source}': {problem.strerror}") from None
-    if source.suffix == ".geo" and last.strip():
+    if source.suffix == ".geo" and b"\0" in text:
+        raise BadInput(f"'{source}' is no plain text (UTF-16, or binary); save it as UTF-8 text")
+    if source.suffix == ".geo" and text.rpartition(b"\n")[2].strip():
         raise BadInput(f"'{source}' ends without a newline; gmsh drops statements of its last line: add one")
     return None, with_gmsh(lambda gmsh: read(gmsh, source, options.size, options.proportional, (2, 3)), f"gmsh cannot make a mesh "
         f"of '{source}'")
@@ -134,9 +136,11 @@ def own_names(gmsh, source, dimension):
     """{name: label} of the physical curves, or surfaces (dimension 2), that have names of one's own, in the order of their numbers.
     Raises BadInput."""
     groups = gmsh.model.getPhysicalGroups(dimension)
-    names = {group: gmsh.model.getPhysicalName(dimension, group) for _, group in groups}
     try:
+        names = {group: gmsh.model.getPhysicalName(dimension, group) for _, group in groups}
         found = own_labels(filter(None, names.values()), {group for group, name in names.items() if not name})
+    except UnicodeDecodeError:
+        raise BadInput(f"'{source}' names a side by letters that are no UTF-8 text; save the file as UTF-8 text") from None
     except BadInput as problem:
         raise BadInput(f"'{source}': {problem}") from None
     for name, label in found.items():

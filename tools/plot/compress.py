@@ -2,7 +2,7 @@
 
     python -m tools.compress RUN [--single]
 
-Rewrites each fields_*.vtu of fields.pvd in place (zlib), one after another; a call that is stopped
+Rewrites each fields_*.vtu of fields.pvd, or the one field file of a steady flow, in place (zlib), one after another; a call that is stopped
 leaves whole files, and a later one goes on. --single: values with 4 bytes a number where they have 8.
 Units and values are untouched. Exit statuses: 0 done, 3 bad input.
 """
@@ -45,8 +45,7 @@ def main(words=None):
     run = RunFolder(given.run)
     if run.status == "running" and run.alive:
         raise BadInput(f"the run {given.run} is still running: compress its fields when it has ended")
-    if not run.fields:
-        raise BadInput(f"the run {given.run} has no fields (-fields SECONDS writes them)")
-    sizes = np.array([compress(path, given.single) for _, path in run.fields], float).sum(axis=0) / 1e6
-    print(f"{len(run.fields)} fields: {sizes[0]:.1f} MB before, {sizes[1]:.1f} MB after")
+    paths = [path for _, path in run.fields] or [run.field_file()]
+    sizes = np.array([compress(path, given.single) for path in paths], float).sum(axis=0) / 1e6
+    print(f"{len(paths)} field{'s' * (len(paths) > 1)}: {sizes[0]:.1f} MB before, {sizes[1]:.1f} MB after")
     return 0

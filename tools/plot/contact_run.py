@@ -5,6 +5,7 @@ import numpy as np
 
 from tools.base.command import BadInput
 from tools.base.run_folder import RunFolder
+from tools.plot.colour import Look
 
 FIGURE_TIMES = [0, 1, 10, 20, 60, 80, 100]  # of the falling particles
 
@@ -58,6 +59,11 @@ class ContactRun(RunFolder):
                 "y": rows[:, 2]}
         columns["speed"] = np.hypot(columns["u"], columns["v"])
         return columns
+
+    @cached_property
+    def look(self):
+        """Which bodies are held."""
+        return Look(self)
 
     @cached_property
     def view(self):

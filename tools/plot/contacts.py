@@ -15,9 +15,10 @@ from matplotlib.colors import LogNorm
 
 from tools.base.command import BadInput, Parser, number, whole
 from tools.base.outlines import placed
+from tools.plot.bodies import reach
 from tools.plot.contact_run import ContactRun, chosen, nearest
 from tools.plot.film import frame_rate, shot, thinned, write_film
-from tools.plot.style import BODY, BODY_EDGE, FIELD_MAP, PAGE_WIDTH, ROUNDING, curve, fit_ticks, plt, save, time_text
+from tools.plot.style import BODY, BODY_EDGE, FIELD_MAP, PAGE_WIDTH, PALE, ROUNDING, curve, fit_ticks, plt, save, time_text
 
 MADE = ["frames", "chains", "energy", "film"]
 SMALL = 5  # points: bodies of smaller diameter are drawn without arrows, and filled by a colour without outlines
@@ -37,6 +38,29 @@ def shape_artists(axes, run, frame, thin):
     return filled
 
 
+def ellipses(axes, run, frame, **pen):
+    """Disks and ellipses of a frame as a collection."""
+    aspect = np.array([run.aspect(one) for one in frame["id"]]) if run.has("shapes") else 1.0
+    width = 2 * frame["radius"]
+    return EllipseCollection(width, width * aspect, np.degrees(frame.get("theta", 0 * width)), units="xy",
+        offsets=np.column_stack([frame["x"], frame["y"]]), transOffset=axes.transData, **pen)
+
+
+def draw_held(axes, run, frame, colour):
+    """Hatches the bodies that are held."""
+    held = np.isin(frame["id"].astype(int), list(run.look.fixed))
+    if not held.any():
+        return
+    fixed, pen = {name: values[held] for name, values in frame.items()}, {"facecolor": "none", "edgecolor": colour, "linewidth": 0,
+        "hatch": "////", "zorder": 3.1}
+    if run.outlines:
+        loops = [loop for one, x, y, theta in zip(*(fixed[name] for name in ("id", "x", "y", "theta")))
+            for loop in placed(run.outlines[int(one)], x, y, theta)]
+        axes.add_collection(PolyCollection(loops, **pen))
+    else:
+        axes.add_collection(ellipses(axes, run, fixed, **pen))
+
+
 def diameter(axes, run, frame):
     """Mean diameter of the bodies on the page, in points, in axes that hold the view of the run."""
     x0, x1, y0, y1 = run.view
@@ -48,20 +72,19 @@ def draw(axes, run, frame, speed=None):
     """Walls and bodies; with `speed` (LogNorm) they are filled by it. Returns the bodies' artist."""
     axes.add_collection(LineCollection(run.walls_at(frame["t"][0]), color="black", linewidth=1.0, capstyle="round", zorder=4,
         label="walls"))
-    width = 2 * frame["radius"]
     points = diameter(axes, run, frame)
     thin = min(0.4, 0.08 * points)
     if run.outlines:
         disks = shape_artists(axes, run, frame, thin)
     else:
-        disks = EllipseCollection(width, width, np.zeros(len(width)), units="xy", offsets=np.column_stack([frame["x"],
-            frame["y"]]), transOffset=axes.transData, edgecolor=BODY_EDGE, linewidth=thin, facecolor=BODY, zorder=3)
+        disks = ellipses(axes, run, frame, edgecolor=BODY_EDGE, linewidth=thin, facecolor=BODY, zorder=3)
     if speed is not None:
         if points < SMALL:  # outlines would hide the colours
             disks.set_edgecolor("none")
         values = np.clip(frame["speed"], speed.vmin, speed.vmax)
         disks.set(cmap=FIELD_MAP, norm=speed, array=values[disks.owner] if run.outlines else values, facecolor=None)
     axes.add_collection(disks)
+    draw_held(axes, run, frame, BODY_EDGE if speed is None else PALE)
     axes.set_xlim(run.view[:2])
     axes.set_ylim(run.view[2:])
     axes.set_aspect("equal")
@@ -124,7 +147,7 @@ def plot_frames(run, path, times=None):
     if over > 0:
         axes[0, 0].get_gridspec().update(left=0.075 + over)
     shown = "positions and speeds" if low else "positions (left) and velocities (right)"
-    figure.suptitle(f"{run.title}: {shown}", fontsize=10, y=1 - 0.1 / figure.get_figheight())
+    figure.suptitle(f"{run.title}: {shown}{run.look.words()}", fontsize=10, y=1 - 0.1 / figure.get_figheight())
     return save(figure, path)
 
 
@@ -149,8 +172,10 @@ def plot_chains(run, path):
     force = contacts["impulse"][now] / step
     a = np.column_stack([frame["x"], frame["y"]])[i]
     normal = np.column_stack([contacts["nx"][now], contacts["ny"][now]])
-    other = np.array([frame["radius"][place[k]] if k >= 0 else 0.0 for k in j])
-    b = a - normal * (frame["radius"][i] + contacts["gap"][now] + other)[:, None]
+    minor = [r * run.aspect(one) for one, r in zip(frame["id"], frame["radius"])]
+    shape = np.column_stack([frame["theta"], frame["radius"], minor])
+    b = a - normal * contacts["gap"][now][:, None] + [reach(-n, *shape[k]) for n, k in zip(normal, i)]
+    b -= [reach(n, *shape[place[k]]) if k >= 0 else 0 * n for n, k in zip(normal, j)]
     if "x" in contacts:  # bodies of any shape: from both centres to the point of contact
         b = np.column_stack([contacts["x"][now], contacts["y"][now]])
         pairs = j >= 0
@@ -170,7 +195,7 @@ def plot_chains(run, path):
     axes.add_collection(lines)
     figure.colorbar(lines, ax=axes, shrink=0.8).set_label(f"normal force per depth ({run.units_per_depth['force']})")
     axes.set(xlabel=f"x ({run.units['length']})", ylabel=f"y ({run.units['length']})",
-        title=f"{run.title}: forces at {time_text(t, run.units['time'])}")
+        title=f"{run.title}: forces at {time_text(t, run.units['time'])}{run.look.words()}")
     return save(figure, path)
 
 
@@ -218,7 +243,8 @@ def shots(run, places):
         extend="min").set_label(f"speed ({run.units_per_depth['speed']})")
     for k in places:
         frame = run.frame(k)
-        if any(run.period) or run.outlines or run.in_space:  # copies come and go, bodies turn, spheres pass before others
+        if any(run.period) or run.outlines or run.has("shapes") or run.in_space or run.look.held:
+            # copies come and go, bodies turn, spheres pass before others, held ones are hatched
             for part in list(axes.collections):
                 part.remove()
             draw(axes, run, frame, norm)
@@ -226,7 +252,7 @@ def shots(run, places):
             disks.set_offsets(np.column_stack([frame["x"], frame["y"]]))
             disks.set_array(np.clip(frame["speed"], *run.speeds))
         next(part for part in axes.collections if part.get_label() == "walls").set_segments(run.walls_at(run.times[k]))
-        axes.set_title(f"{run.title}: {time_text(run.times[k], run.units['time'], run.times[-1])}", pad=4)
+        axes.set_title(f"{run.title}: {time_text(run.times[k], run.units['time'], run.times[-1])}{run.look.words()}", pad=4)
         yield shot(figure)
     plt.close(figure)
 

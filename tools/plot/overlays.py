@@ -1,8 +1,11 @@
 """Pictures of bodies without the flow: outlines at several times in one panel, and force chains."""
 import numpy as np
 from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
 
 from tools.base.command import BadInput
+from tools.base.outlines import placed
 from tools.plot.bodies import contact_lines
 from tools.plot.captions import headline
 from tools.plot.colour import Look
@@ -10,6 +13,30 @@ from tools.plot.style import (FIELD_MAP, LINE_MAP, clip_to, draw_boundary, fitti
     patches_of, plt, save, time_text, title)
 
 NUMBER = 8  # times of the outlines
+PIECE = 0.004  # of the extent of a body: the pieces of its rim
+
+
+def rim(loops):
+    """The outline of a union of loops (n, 2) as a patch: what lies within another loop is left out."""
+    ends = [np.stack([loop, np.roll(loop, -1, axis=0)], axis=1) for loop in loops]  # (n, 2, 2): the sides
+    piece = PIECE * np.ptp(np.concatenate(loops), axis=0).max()
+    kept = []
+    for k, sides in enumerate(ends):
+        at = [np.linspace(0, 1, 2 + int(np.hypot(*(b - a)) / piece))[:, None] for a, b in sides]
+        points = [a + t * (b - a) for t, (a, b) in zip(at, sides)]
+        pieces = np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in points])
+        hidden = np.zeros(len(pieces), bool)
+        for other in loops[:k] + loops[k + 1:]:
+            hidden |= Path(other).contains_points(pieces.mean(axis=1))
+        kept.append(pieces[~hidden])
+    corners = np.concatenate(kept).reshape(-1, 2)
+    return PathPatch(Path(corners, [Path.MOVETO, Path.LINETO] * (len(corners) // 2)))
+
+
+def rim_of(outlines, one, centre, theta, radius, minor):
+    """The rim of the body `one` with these semi-axes, as one patch."""
+    patches = patches_of(outlines, one, centre, theta, radius, minor)
+    return patches[0] if len(patches) == 1 else rim(placed(outlines[int(one)], *centre, theta))
 
 
 def plot_outlines(run, path, times=None):
@@ -27,8 +54,7 @@ def plot_outlines(run, path, times=None):
             fixed = particles[:, held]
             particle_artists(axes, fixed, zorder=3, clip=run.clip, spokes=run.turns, look=look.at(fixed, t),
                 outlines=run.outlines)
-        rims = PatchCollection([patch for one, x, y, a, r, s in particles[:, ~held].T
-            for patch in patches_of(run.outlines, one, (x, y), a, r, s)],
+        rims = PatchCollection([rim_of(run.outlines, one, (x, y), a, r, s) for one, x, y, a, r, s in particles[:, ~held].T],
             facecolor="none", edgecolor=LINE_MAP(scale(t)), linewidth=1.1, zorder=5)
         axes.add_collection(rims, autolim=False)
         clip_to(axes, rims, run.clip)

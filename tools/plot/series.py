@@ -78,7 +78,7 @@ def series(run):
 
 def beside(names, signs):
     """How many of the names of curves, wrapped, stand beside each other in a legend in a width of so many signs; 1 at least."""
-    widths = [6 + max(map(len, name.split("\n"))) for name in names]  # with the piece of a line before each
+    widths = [9 + max(map(len, name.split("\n"))) for name in names]  # with the piece of a line before each
     fits = [count for count in range(1, min(len(names), 4) + 1) if sum(map(max, np.array_split(widths, count))) <= signs]
     return max(fits, default=1)
 

@@ -16,6 +16,7 @@ from tools.base.mesh_files import Mesh
 from tools.base.run_folder import RunFolder
 from tools.base.space_mesh import SNAP, Section
 from tools.plot.captions import headline
+from tools.plot.colour import Look
 from tools.plot.in_time import broken
 from tools.plot.style import BODY_EDGE, LINE_MAP, PAGE_WIDTH, clip_to, draw_outline, frame, particle_artists, plt, save, title
 
@@ -173,9 +174,14 @@ def moved(track):
     return np.array([np.ptp(track[name]) for name in "xyz"])
 
 
-def moving(run):
+def moves(track):
     """Whether a sphere moves."""
-    return any(moved(track).max() > STILL * track["radius"][0] for track in run.tracks.values())
+    return moved(track).max() > STILL * track["radius"][0]
+
+
+def moving(run):
+    """Whether a sphere of a run moves."""
+    return any(map(moves, run.tracks.values()))
 
 
 def track_panels(run):
@@ -224,7 +230,7 @@ def plot_trajectories(run, path):
     pairs, length = projections(run.whole.extent), run.units["length"]
     figure, both = two_panels(pairs, size)
     last = max([track["t"][-1] for track in run.tracks.values()] + ([run.fluid["t"].max(initial=0)] if run.has("fluid") else []))
-    number = len(run.tracks)
+    number, look = len(run.tracks), Look(run)
     for axes, (a, b) in zip(both, pairs):
         axis = 3 - a - b
         extent = (low[a], low[b], size[a], size[b])
@@ -245,12 +251,14 @@ def plot_trajectories(run, path):
             if track["t"][-1] >= last * (1 - 1e-9):
                 end = np.array([[track[name][-1] for name in ("id", "x", "y", "z", "radius")]])
                 for x, y, r in run.whole.images(end)[:, [1 + a, 1 + b, 4]]:
-                    disk = Ellipse((x, y), 2 * r, 2 * r, facecolor=colour, edgecolor=BODY_EDGE, alpha=0.75, linewidth=0.6, zorder=5)
+                    disk = Ellipse((x, y), 2 * r, 2 * r, facecolor=colour, edgecolor=BODY_EDGE, alpha=0.75, linewidth=0.6, zorder=5,
+                        hatch="////" if int(track["id"][0]) in look.fixed else None)
                     axes.add_patch(disk)
                     clip_to(axes, disk, extent)
         frame(axes, extent, length, names=("xyz"[a], "xyz"[b]))
-    words = "path of one sphere" if number == 1 else f"paths of {number} spheres"
-    headline(figure, title(run.whole, words, figure.get_figwidth()))
+    free = sum(int(one) not in look.fixed or moves(track) for one, track in run.tracks.items())
+    words = "path of one sphere" if free == 1 else f"paths of {free} spheres"
+    headline(figure, title(run.whole, words + look.words(), figure.get_figwidth()))
     return save(figure, path)
 
 

@@ -123,7 +123,7 @@ def main(arguments=None):
     out = Path(options.out or options.run)
     if not (run.folder / "fields.vtu").is_file() or not (run.folder / "mesh.mesh").is_file():
         raise BadInput(f"{options.run} holds no fields.vtu and mesh.mesh of a steady flow"
-            + (" (-fields 1 writes the fields)" if run.has("results") else ""))
+            + (" (-fields 1 writes the fields)" if run.has("results") else "; python -m tools.plot draws other runs"))
     field_mesh, values = read_field(run.folder / "fields.vtu")
     laminar = "k" not in values  # of scripts/steady_laminar.edp, which writes no tables along the walls
     caption(run), laminar or (run.columns("wall"), run.columns("zones"))  # what is damaged ends before anything is written

@@ -9,6 +9,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.collections import LineCollection, PatchCollection  # noqa: E402
+from matplotlib.colors import to_rgba_array  # noqa: E402
 from matplotlib.patches import Ellipse, Polygon, Rectangle  # noqa: E402
 from matplotlib.ticker import FixedLocator, MaxNLocator  # noqa: E402
 
@@ -27,6 +28,7 @@ CURVES = [("#0072b2", "-"), ("#d55e00", "--"), ("#009e73", "-."), ("#000000", ":
           ("#cc79a7", (0, (5, 1, 1, 1, 1, 1))), ("#e69f00", (0, (7, 2)))]
 MARKERS = "os^Dvp"
 BODY, BODY_EDGE, HELD = "#e8e8e8", "#1a1a1a", "#a6a6a6"
+PALE, DARK = "#d0d0d0", 0.15  # the pen on bodies whose luminance is below DARK
 BODY_MAP = "plasma"  # of bodies over a field
 DOT = 3.0  # points: the least diameter of a body that is drawn
 ROUNDING = 1e-10  # of the radius: smaller overlaps are not drawn
@@ -202,6 +204,11 @@ def patches_of(outlines, one, centre, theta, radius, minor):
     return [Ellipse(centre, 2 * radius, 2 * minor, angle=np.degrees(theta))]
 
 
+def dark(faces):
+    """Which of the colours (n,) are so dark that a black line on them is not seen: bool (n,)."""
+    return to_rgba_array(faces)[:, :3] @ [0.2126, 0.7152, 0.0722] < DARK
+
+
 def particle_artists(axes, particles, zorder=5, clip=None, spokes=True, look=None, outlines=None):
     """Particles as neutral disks or ellipses, each with a line from its centre to the rim at theta.
     particles: (id, x, y, theta, radius, minor) arrays; clip: (x0, y0, width, height) beyond which
@@ -223,19 +230,19 @@ def particle_artists(axes, particles, zorder=5, clip=None, spokes=True, look=Non
         return [drawn, *particle_artists(axes, rest, zorder, clip, spokes, others, outlines)]
     # The rim is drawn inside, so that a thick pen does not make touching disks overlap.
     shapes = [patches_of(outlines, one, (a, b), t, r, s) for one, a, b, t, r, s in zip(ids, x, y, theta, radius, minor)]
-    groups = []
-    for which, hatch in ((~held, None), (held, "////")):
+    groups, dim = [], dark(faces)
+    for which, hatch, pen in ((~held, None, BODY_EDGE), (held & ~dim, "////", BODY_EDGE), (held & dim, "////", PALE)):
         if which.any():
             parts = [(patch, faces[k]) for k in np.flatnonzero(which) for patch in shapes[k]]
             groups.append(PatchCollection([patch for patch, _ in parts], facecolor=[face for _, face in parts],
-                edgecolor=BODY_EDGE, linewidth=0.6, zorder=zorder, hatch=hatch))
+                edgecolor=pen, linewidth=0.6, zorder=zorder, hatch=hatch))
             joined = [(patch, faces[k]) for k in np.flatnonzero(which) if len(shapes[k]) > 1 for patch in shapes[k]]
             if joined:  # the inside of a union hides the rims of its parts
                 groups.append(PatchCollection([patch for patch, _ in joined], facecolor=[face for _, face in joined],
                     edgecolor="none", zorder=zorder, hatch=hatch))
     ends = np.stack([np.column_stack([x, y]),
                      np.column_stack([x + radius * np.cos(theta), y + radius * np.sin(theta)])], axis=1)
-    marks = LineCollection(ends, color=BODY_EDGE, linewidth=0.8, zorder=zorder + 0.1)
+    marks = LineCollection(ends, colors=np.where(dim, PALE, BODY_EDGE), linewidth=0.8, zorder=zorder + 0.1)
     artists = [axes.add_collection(artist, autolim=False) for artist in ((*groups, marks) if spokes else groups)]
     for artist in artists:
         clip_to(axes, artist, clip)
