@@ -58,13 +58,13 @@ def test_a_crowd_that_rebounds_gains_no_energy_and_does_not_overlap(freefem, tmp
 
 def velocities(rows, number, row=-1):
     """Velocities and angular velocities (number x 3 each) in one row of particles.csv."""
-    return [np.array([rows[name].reshape(-1, number)[row] for name in names]).T for names in (("u", "v", "w"), ("omega_x", "omega_y",
-        "omega_z"))]
+    names = ("u", "v", "w"), ("omega_x", "omega_y", "omega_z")
+    return [np.array([rows[name].reshape(-1, number)[row] for name in three]).T for three in names]
 
 
 def parted(mass, radius, velocity, spin, n, bounce, rough):
-    """Velocities, angular velocities and friction behind one impact of two spheres (the second may be a wall, of infinite mass) with
-    the normal n at the first: Newton's coefficient, Coulomb's law, moments of 2/5 m R^2."""
+    """Velocities, angular velocities and friction behind one impact of two spheres (the second may be a wall, of infinite mass)
+    with the normal n at the first: Newton's coefficient, Coulomb's law, moments of 2/5 m R^2."""
     reduced, arms = 1 / (1 / mass).sum(), radius @ spin
     slip = velocity[0] - velocity[1] + np.cross(n, arms)
     normal = slip @ n
@@ -77,12 +77,12 @@ def parted(mass, radius, velocity, spin, n, bounce, rough):
 
 
 @pytest.mark.parametrize("bounce, rough, speed, spin", [(0.7, 0.1, (1.5, -0.8, -1.3), (4, -9, 12)), (0.7, 0.8, (1.5, -0.8, -1.3),
-    (4, -9, 12)), *(pytest.param(*row, marks=pytest.mark.slow) for row in ((1, 0.3, (-1, 0.2, -2), (-15, 20, 5)), (0.3, 0.1, (0.5, 2,
-        -0.6), (0, 18, -3)), (1, 0.05, (0.1, 0, -1), (0, -20, 0))))])
+    (4, -9, 12)), *(pytest.param(*row, marks=pytest.mark.slow) for row in ((1, 0.3, (-1, 0.2, -2), (-15, 20, 5)),
+        (0.3, 0.1, (0.5, 2, -0.6), (0, 18, -3)), (1, 0.05, (0.1, 0, -1), (0, -20, 0))))])
 def test_a_spinning_sphere_that_hits_a_floor_aslant_has_its_exact_velocities(bounce, rough, speed, spin, freefem_text, tmp_path):
     """Sliding and sticking ones, also with topspin, that is, backwards."""
-    text = CASE.replace("SPHERES", f"sphereSpins(sphereMoves(bodySphere(0, 0, 0.15, 0.1, 1000), {speed[0]}, {speed[1]}, {speed[2]}), "
-        f"{spin[0]}, {spin[1]}, {spin[2]});")
+    text = CASE.replace("SPHERES", "sphereSpins(sphereMoves(bodySphere(0, 0, 0.15, 0.1, 1000), "
+        f"{speed[0]}, {speed[1]}, {speed[2]}), {spin[0]}, {spin[1]}, {spin[2]});")
     freefem_text(text, "-g", 0, "-restitution", bounce, "-friction", rough, "-dt", 0.003, "-tend", 0.12, "-out", tmp_path / "run")
     mass = np.array([1000 * 4 / 3 * np.pi * 0.1**3, 1e30])
     after, turned, rub = parted(mass, np.array([0.1, 0]), np.array([speed, (0, 0, 0)]), np.array([spin, (0, 0, 0)]),
@@ -95,7 +95,8 @@ def test_a_spinning_sphere_that_hits_a_floor_aslant_has_its_exact_velocities(bou
 def test_spheres_that_rub_and_rebound_have_their_exact_velocities(freefem_text, tmp_path):
     two = ("sphereSpins(sphereMoves(bodySphere(0, 0, 1, 0.1, 1000), 3, 0, 0), 5, 8, 20);"
         "sphereSpins(sphereMoves(bodySphere(0.5, 0.1, 1, 0.15, 3000), -1, 0, 0.5), 0, -10, 4);")
-    freefem_text(CASE.replace("SPHERES", two), "-g", 0, "-restitution", 0.6, "-friction", 0.4, "-tend", 0.2, "-out", tmp_path / "run")
+    freefem_text(CASE.replace("SPHERES", two), "-g", 0, "-restitution", 0.6, "-friction", 0.4, "-tend", 0.2, "-out",
+        tmp_path / "run")
     rows, touch = read_table(tmp_path / "run/particles.csv"), read_table(tmp_path / "run/contacts.csv")
     radius = np.array([0.1, 0.15])
     mass, n = np.array([1000, 3000]) * 4 / 3 * np.pi * radius**3, np.array([touch[name][0] for name in ("nx", "ny", "nz")])
@@ -138,9 +139,11 @@ sphereWall(p, b, c); }"""
 def crowd(number, radius, seed):
     draw, side, text = np.random.default_rng(seed), int(np.ceil(number ** (1 / 3))), ""
     for k in range(number):
-        at = (np.array([k % side, k // side % side, k // side**2]) + 0.5) / side + (0.5 / side - 1.001 * radius) * draw.uniform(-1, 1, 3)
+        at = (np.array([k % side, k // side % side, k // side**2]) + 0.5) / side
+        at += (0.5 / side - 1.001 * radius) * draw.uniform(-1, 1, 3)
         words = [", ".join(f"{value:.9f}" for value in row) for row in (at, draw.normal(size=3), 5 * draw.normal(size=3))]
-        text += f"sphereSpins(sphereMoves(bodySphere({words[0]}, {radius * draw.uniform(0.5, 1):.9f}, 1000), {words[1]}), {words[2]});"
+        size = radius * draw.uniform(0.5, 1)
+        text += f"sphereSpins(sphereMoves(bodySphere({words[0]}, {size:.9f}, 1000), {words[1]}), {words[2]});"
     return text
 
 
@@ -157,7 +160,8 @@ def test_the_energy_of_a_crowd_that_rubs_and_rebounds_never_rises(number, bounce
 
 
 def test_the_relaxed_law_does_not_go_with_rebounds(freefem, tmp_path):
-    run = freefem("cases/falling_spheres.edp", "-restitution", 0.5, "-friction-law", "relaxed", "-out", tmp_path / "run", check=False)
+    run = freefem("cases/falling_spheres.edp", "-restitution", 0.5, "-friction-law", "relaxed", "-out", tmp_path / "run",
+        check=False)
     assert run.returncode == 3 and "coulomb" in run.stderr and run.stderr.count("\n") == 1
 
 
@@ -223,8 +227,8 @@ def test_a_sphere_bounces_in_a_thin_gas_as_without_one(box, freefem_text, tmp_pa
 def test_a_spinning_sphere_rubs_in_a_thin_gas_as_without_one(rough, place, box, freefem_text, tmp_path):
     """Also where sphere and floor enclose a vertex of the mesh, whose equation held the sphere before: it went off sideways."""
     speed, spin = (0.3, 0.1, -0.3), (5, 10, 20)
-    text = FLUID.replace("SPHERES", f"sphereSpins(sphereMoves(bodySphere({place}, {place / 3}, 0.008, R, 2500), 0.3, 0.1, -0.3), 5, 10, "
-        "20);")
+    text = FLUID.replace("SPHERES", f"sphereSpins(sphereMoves(bodySphere({place}, {place / 3}, 0.008, R, 2500), 0.3, 0.1, -0.3), "
+        "5, 10, 20);")
     freefem_text(text, "-mesh", box, "-rhof", 1.2, "-mu", 1.8e-5, "-restitution", 0.8, "-friction", rough, "-tend", 0.004, "-out",
         tmp_path / "run")
     mass = np.array([2500 * 4 / 3 * np.pi * 0.0075**3, 1e30])
