@@ -2,9 +2,9 @@
 
     python -m tools.compress RUN [--single]
 
-Rewrites each fields_*.vtu of fields.pvd, or the one field file of a steady flow, in place (zlib), one after another; a call that is stopped
-leaves whole files, and a later one goes on. --single: values with 4 bytes a number where they have 8.
-Units and values are untouched. Exit statuses: 0 done, 3 bad input.
+Rewrites each fields_*.vtu of fields.pvd, or the one field file of a steady flow, in place (zlib), one after
+another; a call that is stopped leaves whole files, and a later one goes on. --single: values with 4 bytes a
+number where they have 8. Units and values are untouched. Exit statuses: 0 done, 3 bad input.
 """
 import meshio
 import numpy as np
@@ -16,7 +16,8 @@ from tools.base.tables import whole
 
 
 def compress(path, single=False):
-    """Rewrites a .vtu file compressed, unless it is; its sizes before and after, in bytes. Raises BadInput for one that is not whole."""
+    """Rewrites a .vtu file compressed, unless it is; its sizes before and after, in bytes. Raises BadInput for one
+    that is not whole."""
     before = path.stat().st_size
     with open(path, "rb") as stream:
         packed = b"compressor=" in stream.read(400)
