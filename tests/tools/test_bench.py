@@ -12,8 +12,8 @@ from tools.base.command import BadInput
 from tools.base.runner import Done, own_folder
 from tools.base.timed import tree, without_calls, without_guarded
 from tools.bench import __main__ as bench
+from tools.bench import figure as figures
 from tools.bench import flow, scenes, skip
-from tools.bench.figure import draw
 from tools.bench.page import write_page
 from tools.bench.rounds import Job, Point, collect, ratio_at_equal_error, run_rounds
 from tools.peers import contact_packages as bench_contacts
@@ -122,7 +122,7 @@ def test_the_page_tells_all(tmp_path):
                  "time as size^1.00", "+0.40 % (-0.10 to +0.90) | 7 | yes", "| NO |", "no longer there",
                      "other work ran beside it", "FreeFEM 4"):
         assert part in text, part
-    assert draw(points + sizes, skipped, tmp_path / "bench.png").stat().st_size > 10_000
+    assert figures.draw(points + sizes, skipped, tmp_path / "bench.png").stat().st_size > 10_000
 
 
 def test_a_tiny_run(tmp_path, monkeypatch):
@@ -192,7 +192,20 @@ def test_a_folder_that_is_not_the_tools_own_is_left_as_it_is(tmp_path):
 
 
 def test_there_is_no_figure_of_nothing(tmp_path):
-    assert draw([], [], tmp_path / "none.png") is None
+    assert figures.draw([], [], tmp_path / "none.png") is None
+
+
+def test_labels_of_an_axis_do_not_lie_on_each_other(tmp_path, monkeypatch):
+    """Sizes from 27404 to 76973 had the labels of six digits times 10^4 side by side."""
+    drawn = []
+    monkeypatch.setattr(figures, "save", lambda figure, path: drawn.append(figure))
+    figures.draw([Point(section, "sphere", "standard", k, 1, unknowns, math.nan, 1.0, 1.0, 0.02 * 2**k)
+        for section in ("scaling", "other", "more") for k, unknowns in enumerate((27404, 76973))], [], tmp_path)
+    drawn[0].canvas.draw()
+    axes = drawn[0].axes[0]
+    ends = np.array([(box.x0, box.x1) for box in (tick.label1.get_window_extent() for tick in axes.xaxis.get_major_ticks())])
+    assert len(ends) > 1 and (ends[1:, 0] > ends[:-1, 1]).all()
+    plotting.plt.close(drawn[0])
 
 
 def test_a_limit_that_is_no_time_is_refused():

@@ -2,7 +2,7 @@
 import math
 
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter
 
 from tools.bench.page import groups, programs, with_error
 from tools.plot.style import PAGE_WIDTH, plt, save
@@ -44,11 +44,22 @@ def look(name):
     return {"color": colour, "marker": marker, "linestyle": dash, "markersize": 7 if marker == "*" else 4.5, "linewidth": 1.2}
 
 
+def ticks(low, high, digits):
+    """The numbers d 10^k of these digits d from low to high."""
+    first, last = math.floor(math.log10(low)), math.floor(math.log10(high))
+    return [digit * 10.0**power for power in range(first, last + 1) for digit in digits if low <= digit * 10.0**power <= high]
+
+
 def plain(axis):
-    """At most about five plain numbers on a logarithmic axis."""
+    """At most about five plain numbers on a logarithmic axis, at least two where there is room for labels of two."""
     low, high = axis.get_view_interval()
     decades = math.log10(high / low)
-    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if decades < 1.2 else (1, 3) if decades < 2.2 else (1,), numticks=7))
+    few = ticks(low, high, (1, 2, 5))
+    if len(few) < 2:  # LogLocator would label all digits, over each other
+        some = ticks(low, high, range(1, 10))
+        axis.set_major_locator(FixedLocator(some[::-(-len(some) // 4)] if some else few))
+    else:
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if decades < 1.2 else (1, 3) if decades < 2.2 else (1,), numticks=7))
     axis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:g}" if 1e-3 <= v < 1e4 else f"$10^{{{math.log10(v):.0f}}}$"
         if abs(math.log10(v) % 1) < 1e-9
                                            else f"${v / 10**math.floor(math.log10(v)):.0f}\\cdot10^{{{math.floor(math.log10(v))}}}$"))
