@@ -115,6 +115,7 @@ def test_a_mesh_by_gmsh_gives_the_same(version, tmp_path):
 @pytest.mark.parametrize("text, name, words", [
     (SCRIPT.replace('"inlet"', '"en,try"'), "my.geo", "'en,try' cannot be the name of a side"),
     (SCRIPT.replace('"inlet"', '"' + 61*"n" + '"'), "my.geo", "cannot be the name of a side"),
+    (SCRIPT.replace('Physical Curve("inlet")', 'Physical Curve("")'), "my.geo", "a side whose name is empty"),  # became an outlet
     (SCRIPT.replace('Physical Curve("inlet") = {4};', ""), "my.geo", "belong to no physical curve"),
     (SCRIPT.replace("Plane Surface(1)", "Plain Surface(1)"), "my.geo", "gmsh"),
     (SCRIPT.replace("Point(3) = {3, 1, 0, h}", "Point(3) = {3, 1, 1, h}"), "my.geo", "gmsh|not plane"),

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from tools.base.command import BadInput
+from tools.base.text_files import text_of
 
 
 def read_table(path, finite=False, of_run=False):
@@ -19,23 +20,11 @@ def read_table(path, finite=False, of_run=False):
     while writing on a full disk) is an error like any other: rows are whole or wrong.
     A last column `name`, of sides that have names of their own, is an array of texts. finite: nan and inf are errors too.
     of_run: a run wrote it, which ends every line; a last line without its end may be cut within a number."""
-    lines = list(enumerate(io.StringIO(text_of(path), newline=""), 1))
+    lines = list(enumerate(io.StringIO(text_of(path, f"the table {path}"), newline=""), 1))
     if of_run and lines and not lines[-1][1].endswith("\n"):
         raise BadInput(f"{path}, line {lines[-1][0]}: the line has no end; the run was cut off while it wrote it (or writes it "
             f"now): go on with -restart, or take the line out")
     return columns(path, [(number, line) for number, line in lines if line.strip() and not line.lstrip().startswith("#")], finite)
-
-
-def text_of(path, errors="strict"):
-    """The text of a table. errors: "replace" takes any letters. Raises BadInput."""
-    try:
-        data = Path(path).read_bytes()
-    except OSError as problem:
-        raise BadInput(f"cannot read the table {path}: {problem}") from None
-    if b"\0" not in data:
-        with contextlib.suppress(UnicodeDecodeError):
-            return data.decode("utf-8-sig", errors)
-    raise BadInput(f"the table {path} is no plain text (UTF-16, Latin-1 or binary); save it as UTF-8 text")
 
 
 def columns(path, lines, finite=False):

@@ -37,6 +37,7 @@ from pathlib import Path
 from tools.base.command import ROOT, BadInput, Ended, Parser
 from tools.base.ranks import ELSEWHERE, MPI_ENVIRONMENT, launcher
 from tools.base.runner import freefem
+from tools.base.text_files import text_of
 
 COMPILE_LIMIT = 120  # s
 GRACE = 3  # s, from a signal to SIGKILL
@@ -84,10 +85,8 @@ def found(name):
         raise BadInput(f"there is no script {name}" + (f"; is cases/{best}.edp meant?" if best else ""))
     if path.suffix != ".edp":
         raise BadInput(f"{name} is no script of FreeFEM: its name must end with .edp")
-    if not path.read_bytes().strip():
+    if not text_of(path, name, "replace").strip():
         raise BadInput(f"{name} is empty")
-    if b"\0" in path.read_bytes():
-        raise BadInput(f"{name} is no plain text (saved as UTF-16?): save it as UTF-8")
     return path
 
 

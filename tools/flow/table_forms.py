@@ -7,7 +7,8 @@ the section [Data] counts. A separator at the end of every line makes no column.
 import re
 
 from tools.base.command import BadInput
-from tools.base.tables import columns, is_number, text_of
+from tools.base.tables import columns, is_number
+from tools.base.text_files import text_of
 
 KINDS = ".csv", ".txt", ".tsv"  # endings of their names
 REMARKS = "#", "%"
@@ -43,7 +44,7 @@ def data_section(lines):
 
 def read(path):
     """The columns of the table, {name: array}; all values are finite. Raises BadInput."""
-    lines = list(enumerate(text_of(path, "replace").splitlines(), 1))
+    lines = list(enumerate(text_of(path, f"the table {path}", "replace").splitlines(), 1))
     lines = data_section([(number, line) for number, line in lines if line.strip()])
     first = next((place for place, (_, line) in enumerate(lines) if not line.lstrip().startswith(REMARKS)), len(lines))
     body = [(number, line) for number, line in lines[first:] if not line.lstrip().startswith(REMARKS)]

@@ -25,6 +25,7 @@ from pathlib import Path
 import numpy as np
 
 from tools.base.command import BadInput, positive
+from tools.base.text_files import bytes_of, text_of
 from tools.meshing import own_space
 from tools.meshing.labels import LABELS, own_labels
 from tools.meshing.plane_mesh import finished, signed_areas
@@ -49,13 +50,10 @@ def build(options):
     source = Path(options.source)
     if source.suffix not in KINDS:
         raise BadInput(f"--from takes a gmsh script (.geo) or mesh (.msh), not '{source}'")
-    try:
-        text = source.read_bytes()
-    except OSError as problem:
-        raise BadInput(f"cannot read '{source}': {problem.strerror}") from None
-    if source.suffix == ".geo" and b"\0" in text:
-        raise BadInput(f"'{source}' is no plain text (UTF-16, or binary); save it as UTF-8 text")
-    if source.suffix == ".geo" and text.rpartition(b"\n")[2].strip():
+    called = f"'{source}'"
+    if source.suffix == ".msh":
+        bytes_of(source, called)
+    elif text_of(source, called, "replace").rpartition("\n")[2].strip():
         raise BadInput(f"'{source}' ends without a newline; gmsh drops statements of its last line: add one")
     return None, with_gmsh(lambda gmsh: read(gmsh, source, options.size, options.proportional, (2, 3)), f"gmsh cannot make a mesh "
         f"of '{source}'")
@@ -135,6 +133,11 @@ def read(gmsh, source, size, all_sizes=False, dimensions=(2,)):
 def own_names(gmsh, source, dimension):
     """{name: label} of the physical curves, or surfaces (dimension 2), that have names of one's own, in the order of their numbers.
     Raises BadInput."""
+    kind = "Surface" if dimension == 2 else "(Curve|Line)"
+    if source.suffix == ".geo" and re.search(rf"""^[^/\n]*\bPhysical\s+{kind}\s*\(\s*(""|'')\s*\)""", text_of(source, f"'{source}'",
+        "replace"), re.MULTILINE):
+        raise BadInput(f"'{source}' has a side whose name is empty: gmsh would take the next number, which may be the label of "
+            f"another side; give it a name, or a number in place of the name")
     groups = gmsh.model.getPhysicalGroups(dimension)
     try:
         names = {group: gmsh.model.getPhysicalName(dimension, group) for _, group in groups}
