@@ -120,7 +120,7 @@ def test_a_start_never_exceeds_the_terminal_velocity(ratio, shape, box, freefem_
     """First rows were -0.7 (light), 1.8 and 4.6 times the terminal velocity, those of a body of 20 times the density up to 2 with
     nu dt/R^2 = 10. Where viscosity crosses the body many
     times in a step, it has its velocity in the first row."""
-    body, mesh = shape.format(s=ratio), box(1, 3)
+    body, mesh = shape.format(s=ratio), box(1)
     end = sunk(freefem_text, tmp_path / "end", body, mesh, 100, SETTLED)[-1, 1]
     for dt in (0.1, 1, 10, 1e4):
         share = sunk(freefem_text, tmp_path / f"run{dt}", body, mesh, dt, 6)[:, 1] / end
@@ -133,7 +133,7 @@ def test_bodies_of_all_densities_start_together(box, freefem_text, tmp_path):
     bodies = "bodyDisk(3, 10, 1, 20); bodyDisk(7, 10.5, 0.8, 0.2); bodyEllipse(5, 15, 1, 0.6, 0.4, 1.5);"
     runs = []
     for dt, steps in ((1e3, 6), (100, SETTLED)):
-        freefem_text(scene(bodies, 1, 1, -1e-9), "-mesh", box(1, 3), "-dt", dt, "-tend", dt * steps, "-cfl", 0, "-out",
+        freefem_text(scene(bodies, 1, 1, -1e-9), "-mesh", box(1), "-dt", dt, "-tend", dt * steps, "-cfl", 0, "-out",
             tmp_path / f"run{steps}")
         rows = RunFolder(tmp_path / f"run{steps}").particles
         runs.append(np.column_stack([rows["u"], rows["v"], rows["omega"]]).reshape(-1, 3, 3))

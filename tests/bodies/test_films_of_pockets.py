@@ -50,7 +50,7 @@ def test_a_pocket_under_disks_is_the_same_across_the_seam_and_below_an_outlet(fr
             ("seam", 0.0, "labelBottom", "labelTop")):
         bodies = " ".join(f"bodyHeld(bodyDisk({(middle + k * 0.3125) % 1}, 0.16, 0.15, 1));" for k in (-1, 0, 1))
         text = case(f"{{ {bodies} }}", walls=walls, outlet=outlet, more=BESIDE, gravity=0, mu=1)
-        freefem_text(text.replace("flowPeriodX = 0", "flowPeriodX = 1"), "-dt", 0.002, "-cfl", 0, "-tend", 0.04, "-every", 0,
+        freefem_text(text.replace("flowPeriodX = 0", "flowPeriodX = 1"), "-dt", 0.002, "-cfl", 0, "-tend", 0.02, "-every", 0,
             "-forces", 1, "-film", 1, "-out", tmp_path / name)
         forces = RunFolder(tmp_path / name).table("forces")
         found.append([forces[c][forces["id"] == 1][-1] for c in ("fx", "fy")])

@@ -101,7 +101,7 @@ def test_momentum_holds_with_friction(freefem, tmp_path):
     energy closes within 3.5 %, after a first row that begins at once."""
     off = []
     for friction in (0, 0.5):
-        freefem("cases/rolling_disk.edp", "-film", 1, "-friction", friction, "-tend", 0.1, "-budget", 1,
+        freefem("cases/rolling_disk.edp", "-film", 1, "-friction", friction, "-tend", 0.06, "-budget", 1,
             "-out", tmp_path / str(friction))
         budget = RunFolder(tmp_path / str(friction)).table("budget")
         off.append([np.abs(budget[f"momentum_{d}"] - budget[f"walls_{d}"] - budget[f"weight_{d}"]).max() for d in "xy"])

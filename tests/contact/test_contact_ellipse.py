@@ -208,7 +208,7 @@ def test_ellipses_in_a_fluid_come_to_lie_flat_and_never_overlap(freefem_text, tm
     """One stands on its end on the floor at the start, one falls on it, a disk on both: outlines are followed from row to row."""
     particles = "bodyEllipse(1., 0.45, 0.4, 0.2, 1.45, 1.5); bodyEllipse(0.6, 1.1, 0.4, 0.2, 0.3, 1.3); bodyDisk(1.5, 0.9, 0.2, 1.3);"
     low = make_mesh(tmp_path / "low.mesh", "box", "--width", 2, "--height", 2, "--size", 0.0625)
-    freefem_text(on_floor("{ " + particles + " }"), "-mesh", low, "-dt", 0.0025, "-tend", 0.8, "-every", 0.02, "-out",
+    freefem_text(on_floor("{ " + particles + " }"), "-mesh", low, "-dt", 0.005, "-tend", 0.8, "-every", 0.02, "-out",
         tmp_path / "run")
     run = RunFolder(tmp_path / "run")
     table = run.particles

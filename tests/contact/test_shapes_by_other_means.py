@@ -199,7 +199,7 @@ def test_clumps_stars_and_squares_in_touch(mu, freefem_text, tmp_path):
     """Three bodies, of which two are thrown at the first from random sides, at gaps of up to a step's move; with friction under the
     relaxed law, whose velocities are unique."""
     rng, scenes = np.random.default_rng(3), []
-    for k in range(18):
+    for k in range(12):
         kinds = [["clump"] * 3, ["star"] * 3, ["star", "clump", "square"]][k % 3]
         scene = []
         for kind in kinds:
@@ -213,7 +213,7 @@ def test_clumps_stars_and_squares_in_touch(mu, freefem_text, tmp_path):
         scenes.append(scene)
     words = ["-friction", mu, "-friction-law", "relaxed"] if mu else []
     found = run(freefem_text, tmp_path / "run", scenes, [], *words)
-    assert sum(np.abs(z - [b.motion for b in scene]).max() > 0.1 for scene, z in zip(scenes, found)) > 12  # they do collide
+    assert sum(np.abs(z - [b.motion for b in scene]).max() > 0.1 for scene, z in zip(scenes, found)) > 8  # they do collide
     judge(scenes, found, [[]] * len(scenes), mu)
 
 

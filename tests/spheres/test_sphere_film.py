@@ -71,7 +71,7 @@ def test_films_act_along_the_gaps(freefem_text):
 FALL = """
 include "lib/spheres/case.idp"
 optCase("fall", "a sphere falls onto a floor in slow flow");
-optDefault("-dt", "5"); optDefault("-convection", "0"); optDefault("-cfl", "0"); optDefault("-tolerance", "1e-6");
+optDefault("-dt", "10"); optDefault("-convection", "0"); optDefault("-cfl", "0"); optDefault("-tolerance", "1e-6");
 real rhoFluid = 0.01, mu = 1, gravityX = 0, gravityY = 0, gravityZ = -0.045, R = 1;
 int[int] flowNoSlip = [labelWall], flowSlip = [labelLeft, labelFront], flowMoving(0), flowOutlet(0);
 func real boundaryRamp(real t) { return 1; }

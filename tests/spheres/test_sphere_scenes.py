@@ -30,12 +30,19 @@ def box(tmp_path_factory):
         0.06, "--corridor-top", 0.06, "--corridor", 0.03, "--size", 0.005)
 
 
-def test_waiting_spheres_enter_when_due_and_when_there_is_room(box, freefem_text, tmp_path):
+@pytest.fixture(scope="module")
+def coarse_box(tmp_path_factory):
+    """The same with 2 elements to the diameter."""
+    return make_mesh(tmp_path_factory.mktemp("box") / "coarse.mesh", "settling_sphere", "--part", "whole", "--width", 0.06,
+        "--height", 0.06, "--corridor-top", 0.06, "--corridor", 0.03, "--size", 0.0075)
+
+
+def test_waiting_spheres_enter_when_due_and_when_there_is_room(coarse_box, freefem_text, tmp_path):
     """One is due at 0.02 s, one at once where another falls out of its way, one where a held sphere stays; they come with the
     motion of the fluid, and a restart between two entries continues byte for byte."""
     fill = "bodySphere(0, 0, 0.036, R, 2500); sphereHeld(bodySphere(-0.02, 0, 0.01, R, 1000));" \
         " sphereWaits(0.02, 0, 0.04, R, 1000, 0.02); sphereWaits(0, 0, 0.046, R, 1000, 0); sphereWaits(-0.02, 0, 0.02, R, 1000, 0);"
-    options, run = ["-mesh", box, "-cfl", 0, "-tend", 0.09, "-checkpoint", 5], tmp_path / "run"
+    options, run = ["-mesh", coarse_box, "-cfl", 0, "-tend", 0.09, "-checkpoint", 5], tmp_path / "run"
     done = freefem_text(scene(fill), *options, "-out", run)
     said = done.stdout + done.stderr
     assert "1 of the waiting spheres was due, but had no room" in said and "(-0.02, 0, 0.02)" in said
@@ -98,9 +105,9 @@ def test_a_sphere_rolls_down_the_floor_and_the_budget_closes(box, freefem_text, 
         assert abs(missing) < 0.01 * abs(budget[f"weight_{axis}"][-1])
 
 
-def test_a_run_whose_energy_grows_from_nothing_is_stopped(box, freefem_text, tmp_path):
+def test_a_run_whose_energy_grows_from_nothing_is_stopped(coarse_box, freefem_text, tmp_path):
     more = "macro caseStep() if (driveStep == 9) { spaceU *= 3.; spaceV *= 3.; spaceW *= 3.; } // EOM"
-    run = freefem_text(scene("bodySphere(0, 0, 0.04, R, 1800);", more=more), "-mesh", box, "-tend", 0.2, "-cfl", 0, "-out",
+    run = freefem_text(scene("bodySphere(0, 0, 0.04, R, 1800);", more=more), "-mesh", coarse_box, "-tend", 0.2, "-cfl", 0, "-out",
         tmp_path / "run", check=False)
     assert run.returncode == 4 and "kinetic energy is" in run.stderr and "near sphere 0" in run.stderr and "t = 0.1" in run.stderr
 
@@ -146,10 +153,10 @@ def test_a_sphere_that_shuts_a_throat_ends_the_run_in_words(freefem_text, tmp_pa
     ("bodySphere(0, 0, 0.03, R, 1000); sphereWallRough(labelTop, 0.3);", "", ["-friction", 1], 3, "the mesh has no wall with"),
     ("sphereMoves(bodySphere(0, 0, 0.03, R, 1000), 1e20, 0, 0);", "", [], 4, "-cfl allows no more than steps of"),
 ])
-def test_what_makes_no_flow_ends_in_one_line(fill, step, words, status, said, box, freefem_text, tmp_path):
+def test_what_makes_no_flow_ends_in_one_line(fill, step, words, status, said, coarse_box, freefem_text, tmp_path):
     """Numbers that are none, walls that are not there, and a sphere that is too fast for any step."""
     more = f"macro caseStep() {step}; // EOM" if step else ""
-    run = freefem_text(scene(fill, more=more), "-mesh", box, "-tend", 0.05, *words, "-out", tmp_path / "run", check=False)
+    run = freefem_text(scene(fill, more=more), "-mesh", coarse_box, "-tend", 0.05, *words, "-out", tmp_path / "run", check=False)
     assert run.returncode == status and said in run.stderr and run.stderr.count("\n") == 1, run.stderr
 
 
