@@ -38,15 +38,18 @@ def test_a_face_approaches_another_one_against_its_film(kind, near, step, box, f
         assert total[len(total) // 2:] == pytest.approx(-PUSH[kind], rel=0.02)
 
 
-@pytest.mark.parametrize("kind, push, end", [("square", 50, 0.36), ("capsule", 300, 0.5)])
-def test_a_face_has_its_resistance_in_gaps_of_one_to_two_elements(kind, push, end, box, freefem, tmp_path):
+@pytest.mark.parametrize("kind, near, push, start, end", [("square", "wall", 50, 0.14, 0.36), ("capsule", "wall", 300, 0.14, 0.5),
+    ("capsule", "pair", 300, 0.075, 0.31)])
+def test_a_face_has_its_resistance_in_gaps_of_one_to_two_elements(kind, near, push, start, end, box, freefem, tmp_path):
     """From rest at a gap of 2.2 elements to less than one: 25 % at any step. Without a film there the mesh alone had 0.61 to 0.92,
-    and where the gap crossed an element the film came at once."""
-    freefem(SCENE, "-mesh", box, "-kind", kind, "-force", push, "-x", 1.02, "-gap", 0.14, "-dt", 1 / 256, "-cfl", 0, "-every", 0,
-        "-tend", end, "-out", tmp_path / "run")
-    gap, ratio = ratios(numbers(tmp_path / "run", "near.csv"), kind, "wall", push)
-    seen = gap < 1.6 * SIZE
-    assert seen.sum() > 20 and gap.min() < 0.97 * SIZE and np.abs(ratio[seen] - 1).max() < 0.25
+    and where the gap crossed an element the film came at once. Two capsules, from 1.2 elements, below one: 15 %. (They met 0.65 in
+    a step in which half of their faces was that near, and later 1.2 to 1.3, as vertices below a face kept their equation.)"""
+    freefem(SCENE, "-mesh", box, "-kind", kind, "-near", near, "-force", push, "-x", 1.02, "-gap", start, "-dt", 1 / 256, "-cfl", 0,
+        "-every", 0, "-tend", end, "-out", tmp_path / "run")
+    gap, ratio = ratios(numbers(tmp_path / "run", "near.csv"), kind, near, push)
+    most, bound = (1.6, 0.25) if near == "wall" else (1, 0.15)
+    seen = gap < most * SIZE
+    assert seen.sum() > 20 and gap.min() < 0.97 * SIZE and np.abs(ratio[seen] - 1).max() < bound
 
 
 def test_a_run_with_films_of_shapes_restarts_bit_for_bit(box, tmp_path):
