@@ -31,6 +31,14 @@ def test_a_disk_slides_round_a_ring(count, move, freefem_text, tmp_path):
     assert np.hypot(x, y) * np.cos(np.pi / count) < 0.9 and np.hypot(x, y) > 0.9 - 2e-3
 
 
+def test_a_polygon_takes_what_its_corners_do(freefem_text, tmp_path):
+    """Sides longer than the steps: half a corner where it starts and ten whole ones, at each of which the part of the velocity
+    towards the next side goes."""
+    freefem_text(RING.format(count=60, start=-0.9 + 1e-5 + (np.pi / 60) ** 2), "-dt", 0.02, "-tend", 1, "-out", tmp_path / "run")
+    last = RunFolder(tmp_path / "run").particles
+    assert np.hypot(last["u"][-1], last["v"][-1]) == pytest.approx(np.cos(np.pi / 60) * np.cos(np.pi / 30) ** 10, abs=1e-8)
+
+
 ELLIPSE_RING = """
 include "lib/contact/ellipse_project.idp"
 optCase("ring", "an ellipse slides along a ring of {count} segments");

@@ -11,6 +11,7 @@ import pytest
 
 from tests.conftest import ROOT, make_mesh, run_freefem
 from tests.processes import LIMIT, assert_near, assert_same, compare, ranks, why_not
+from tests.scenes import case
 from tests.tables import numbers
 from tools.base.ranks import MPI_ENVIRONMENT, launcher
 
@@ -84,6 +85,18 @@ def test_the_pressure_of_films_does_not_depend_on_the_parts(tmp_path):
     """Films between disks and towards plates: which vertices at the corners of a gap took part depended on the bins of a part of
     the mesh, which changed velocities by 1e-7 on two processes and 1e-4 on three."""
     compare(3, tmp_path, "cases/sheared_suspension.edp", "-radius", "0.14", "-tend", "0.03", "-every", "0")
+
+
+@pytest.mark.slow
+def test_a_wall_that_moves_along_itself_rubs_alike(tmp_path):
+    """A disk under a lid. Each process took the lid's speed from the nearest node of its own part, so that after a collision the
+    bodies had other velocities, and the run ended with a message of MPI."""
+    (tmp_path / "lid.edp").write_text(case("{ bodyAdd(0.3, 0.88, 0.1, 3, 0, 2, 0, 1); }", moving="labelTop",
+        walls="labelLeft, labelRight, labelBottom", more="macro boundaryU() (24*x^2*(1 - x)^2) // EOM"))
+    for number in (2, 3):
+        folder = compare(number, tmp_path / str(number), tmp_path / "lid.edp", "-film", "0", "-friction", "0.5", "-tend", "0.1",
+            "-every", "0")
+        assert abs(numbers(folder, "contacts.csv")["tangential"]).max() > 0
 
 
 def test_one_line_and_its_status_end_all_processes(tmp_path):
