@@ -8,7 +8,7 @@ from tools.base.tables import read_table
 
 PLANE = dict(bodies="bodyDisk(0, 0.1, 0.1, 1000);", walls="contactWallSegment(-100, 0, 100, 0);")
 TURN = "real turned = optReal(\"-turned\", 0.5, \"s\", \"when gravity is reversed\");" \
-    "macro caseStep() if (timeNow > turned - 1e-9) driveGY = 9.81; // EOM"
+    "macro caseStep() if (timeNow > turned - 1e-9) gravityY = 9.81; // EOM"
 
 
 @pytest.mark.parametrize("dt", [0.02, 0.005])

@@ -34,6 +34,23 @@ def single_impact(approach, slip, mass, radius, mu):
     return n, f * min(1.0, mu * n / size) if size > 0 else f
 
 
+def test_the_relaxed_law_acts_at_a_distance(tmp_path):
+    """Spheres that spin, slide, and neither, before a wall that none would reach in the step: the row of the law in closed form."""
+    dt, r, mass, gap, mu = 0.01, 1.3, 700.0, 0.9, 0.6
+    rows = [row(0, (0, 0, r + gap), r, mass, 0.7, (0, 0, -55.0), (0, 60.0, 0)),
+        row(1, (30, 0, r + gap), r, mass, 0.7, (80.0, 0, -55.0), (0, 0, 0)),
+        row(2, (60, 0, r + gap), r, mass, 0.7, (0, 0, -55.0), (0, 0, 0))]
+    speed, spin, _ = project(tmp_path, rows, [[-900, -900, 0, 900, -900, 0, 0, 900, 0, mu]], "relaxed", dt)
+    arm, inverse = r + gap, 1 / np.array([mass] * 3 + [0.4 * mass * r**2] * 3)
+    for k, given in enumerate(rows):
+        exact = np.array(given[8:])
+        law = np.array([0, 0, 1, 0, 0, 0]) - mu * np.sign(exact[0] - arm * exact[4]) * np.array([1, 0, 0, 0, -arm, 0])
+        missing = -(gap / dt + law @ exact)
+        assert (missing > 0) == (k < 2) and gap + dt * exact[2] > 0
+        exact += inverse * law * max(missing, 0) / (law**2 @ inverse)
+        np.testing.assert_allclose([*speed[k], *spin[k]], exact, atol=1e-8 * r / dt)
+
+
 def test_single_contacts_have_their_closed_form(tmp_path):
     """Spheres released on inclines, which roll with 5/7 g sin a where tan a <= 7/2 mu and slide otherwise, and oblique impacts of
     pairs that spin, 1e3 m apart from each other: 1e-8."""
