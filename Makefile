@@ -25,7 +25,7 @@ help:
 
 # The run folder of an earlier make run is replaced.
 run: setup
-	$(FREEFEM) -nw cases/pipe_obstacles.edp -out $(RUN) -overwrite 1 -fields 0.02
+	$(PYTHON) -m tools.run cases/pipe_obstacles.edp -out $(RUN) -overwrite 1 -fields 0.02
 	$(PYTHON) -m tools.plot $(RUN)
 	$(PYTHON) -m tools.bodies $(RUN)
 	$(PYTHON) -m tools.compress $(RUN)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tools.base.command import ROOT, BadInput
+from tools.base.quick_clock import with_quick_clock
 from tools.base.runner import freefem
 
 # One thread each for the BLAS. Open MPI refuses the administrator and more processes than cores unless it is told so; containers
@@ -61,8 +62,8 @@ def run_on(processes, words, cwd=ROOT, limit=None):
             command = [start, "-np", str(processes), *wrapped, str(engine), "-nw"]
         begin = time.perf_counter()
         try:
-            done = subprocess.run([*command, *map(str, words)], cwd=cwd, env=os.environ | MPI_ENVIRONMENT, capture_output=True,
-                text=True, errors="replace", timeout=limit)
+            done = subprocess.run([*command, *map(str, words)], cwd=cwd, env=with_quick_clock(os.environ | MPI_ENVIRONMENT),
+                capture_output=True, text=True, errors="replace", timeout=limit)
         except subprocess.TimeoutExpired:
             raise BadInput(f"the run on {processes} was stopped at its limit of {limit:g} s") from None
         wall = time.perf_counter() - begin

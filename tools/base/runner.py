@@ -3,7 +3,7 @@
     done = run_case("cases/settling_disk.edp", {"-dt": 0.001}, out="results/x", limit=600)
     done.ok, done.reason, done.cpu_s, done.wall_s, done.memory_mb, done.log
 
-Each run uses one thread. FREEFEM in the environment names another FreeFem++. Errors:
+Each run uses one thread, and the clock of tools/base/quick_clock.py. FREEFEM in the environment names another FreeFem++. Errors:
 BadInput where FreeFEM or the script is not there; a run that fails is not an error.
 """
 import concurrent.futures
@@ -22,6 +22,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tools.base.command import ROOT, BadInput
+from tools.base.quick_clock import with_quick_clock
 
 MEASURE = Path(__file__).with_name("measure.py")
 LIVE = set()  # the runs under way, for end_all
@@ -125,7 +126,7 @@ def run_command(command, limit=None, cwd=ROOT):
         with open(log, "w") as stream:
             run.process = process = subprocess.Popen([sys.executable, "-I", "-S", str(MEASURE), str(report), *map(str, command)],
                                        cwd=cwd, stdout=stream, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
-                                       env={**os.environ, **threads}, start_new_session=True)
+                                       env=with_quick_clock({**os.environ, **threads}), start_new_session=True)
             try:
                 if run not in LIVE:  # end_all came while the process was being made
                     end_group(process)
