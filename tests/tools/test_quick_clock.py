@@ -1,4 +1,5 @@
 """The clock that is loaded before FreeFEM: it counts CPU time, changes no result, and is left out where it cannot be made."""
+import os
 import resource
 import shutil
 import subprocess
@@ -44,8 +45,8 @@ def test_results_are_the_same_bytes(tmp_path, monkeypatch):
         monkeypatch.setenv("PARTICLES_CLOCK", name)
         out = tmp_path / f"run{name}"
         words = ["cases/settling_disk.edp", "-tend", "0.02", "-every", "0", "-out", out]
-        subprocess.run([FREEFEM, "-nw", *words], cwd=ROOT, env=quick_clock.with_quick_clock(dict(quick_clock.os.environ)), check=True,
-            capture_output=True)
+        surroundings = quick_clock.with_quick_clock(dict(os.environ))
+        subprocess.run([FREEFEM, "-nw", *words], cwd=ROOT, env=surroundings, check=True, capture_output=True)
         tables.append((out / "particles.csv").read_bytes())
     assert tables[0] == tables[1]
 

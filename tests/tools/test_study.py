@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.conftest import FREEFEM, run_tool
+from tests.conftest import FREEFEM, eventually, run_tool
 from tests.synthetic import ROOT, write_run
 from tools.base import quantities
 from tools.base.command import BadInput
@@ -379,8 +379,16 @@ def ended_by(number, words, folder):
         time.sleep(0.05)
     process.send_signal(number)
     said = process.communicate(timeout=10)[1]
-    left = Path(f"/proc/{int(written.read_text())}/cmdline")
-    return process.returncode, said, left.is_file() and left.read_bytes() != b""  # empty: it has ended, nobody has asked how
+    case = int(written.read_text())
+    return process.returncode, said, not eventually(lambda: has_ended(case))  # all are told at once, and take a moment each
+
+
+def has_ended(number):
+    """Whether a process is gone, or has ended and nobody has asked how."""
+    try:
+        return Path(f"/proc/{number}/cmdline").read_bytes() == b""
+    except OSError:
+        return True
 
 
 @pytest.mark.parametrize("number, status, line", [(signal.SIGINT, 130, "stopped by the keyboard\n"), (signal.SIGTERM, 143,
