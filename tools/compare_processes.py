@@ -22,6 +22,7 @@ from tools.base.run_folder import RunFolder
 SMALL = 1e-5  # a column below this part of its unit in the run is itself rounding
 MOST = 1e-6
 SPEED, ENERGY = (1, -1, 0), (1, -2, 1)
+DIRECTIONS = "nx", "ny", "nz"  # components of unit vectors
 
 
 def tables_of(folder):
@@ -50,7 +51,7 @@ def units_of(folder, tables):
         """A product of powers of length, time and mass."""
         return length**(powers[0] + (in_space and powers in PER_DEPTH)) * time**powers[1] * mass**powers[2]
     mass = largest[ENERGY] / of(ENERGY)
-    return {column: of(powers, mass) for column, powers in POWERS.items()}
+    return {column: of(powers, mass) for column, powers in POWERS.items()} | dict.fromkeys(DIRECTIONS, 1.0)
 
 
 def difference(one, many):

@@ -25,6 +25,17 @@ def test_difference(tmp_path, other, apart):
     assert difference(tmp_path / "one", tmp_path / "many") == math.inf
 
 
+def test_a_normal_that_has_no_part_along_an_axis_but_for_rounding_is_the_same(tmp_path):
+    """On an incline of one process it was 0 and on two 2e-15, which counted as all of it."""
+    contacts = "t,nx,ny\n1,1,0\n"
+    runs(tmp_path, TABLE, TABLE)
+    for name, text in (("one", contacts), ("many", contacts.replace(",0\n", ",2e-15\n"))):
+        (tmp_path / name / "contacts.csv").write_text(text)
+    assert difference(tmp_path / "one", tmp_path / "many") < 1e-9
+    (tmp_path / "many/contacts.csv").write_text(contacts.replace(",0\n", ",0.01\n"))
+    assert difference(tmp_path / "one", tmp_path / "many") > 1
+
+
 def runs(folder, first, second, tracks=OTHERS):
     """Two run folders with these texts of fluid.csv."""
     for name, text in (("one", first), ("many", second)):
