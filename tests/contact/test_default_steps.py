@@ -28,7 +28,8 @@ def test_a_scene_in_other_units_makes_the_same_steps(case, words, mine, other, l
 
 @pytest.mark.parametrize("case, words, step", [
     ("hourglass", [], 0.002), ("hourglass", ["-number", 500, "-radius", 0.013, "-neck", 0.12], 0.002),
-    ("hourglass", ["-gravity", 4*9.81], 0.001), ("falling_spheres", ["-rmin", 0.01, "-rmax", 0.02], 0.00125),
+    ("hourglass", ["-gravity", 4*9.81], 0.001), ("hourglass", ["-radius", 0.013/4, "-neck", 0.12/4], 0.001),
+    ("falling_spheres", ["-rmin", 0.01, "-rmax", 0.02], 0.00125),
     ("rotating_drum_dry", ["-radius", 0.004], 0.001), ("heap", ["-radius", 0.02, "-gravity", 0], 0.001)])
 def test_a_step_is_never_longer_than_the_case_s_own(case, words, step, freefem):
     line = next(line for line in freefem(f"cases/{case}.edp", *words, "-help").stdout.splitlines() if line.startswith("  -dt "))
