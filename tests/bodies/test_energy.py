@@ -7,7 +7,7 @@ import pytest
 
 from tests.scenes import case, filmed
 from tools.base.run_folder import RunFolder
-from tools.stress.classes import LOSSES, excess as stress_excess
+from tools.stress.classes import CLOSED, LOSSES, excess as stress_excess, scale_of
 from tools.stress.maps_energy import Bodies, closed, scene
 
 
@@ -103,6 +103,27 @@ def words_of(cell, folder):
     return [word for pair in (options | {"-out": folder / "run"}).items() for word in pair]
 
 
+def left_over(run, seed):
+    """The least numerical dissipation of a scene of the energy map, over its energy at the start and the work."""
+    budget = run.table("budget")
+    return budget["numerical"].min() / scale_of(budget, scene(seed).start)
+
+
+@pytest.mark.parametrize("seed", [49, 73])
+def test_the_flow_of_a_collision_is_no_dissipation(seed, freefem, tmp_path):
+    """Thrown bodies collide without a rebound, and the flow of that slips past their edges. Its dissipation counted for half of the
+    step that ends with the collision and half of the next one: a tenth of the whole too much."""
+    cell = closed(0.6, seed)
+    freefem(cell.script, *words_of(cell, tmp_path))
+    run = RunFolder(tmp_path / "run")
+    budget = run.table("budget")
+    assert budget["contacts"][-1] > 0.1 * scale_of(budget, scene(seed).start) and left_over(run, seed) > -CLOSED
+    assert np.diff(budget["contacts"]).min() > -1e-3 * budget["contacts"][-1]
+    sides = [sum(budget[name] for name in names.split()) for names in ("kinetic_energy dissipated contacts numerical",
+        "work pressure virtual")]
+    assert np.ptp(sides[0] - sides[1]) < 1e-11 * sides[0].max()  # of twelve digits
+
+
 def test_light_disks_in_a_syrup_do_not_oscillate(freefem, tmp_path):
     """Seven light disks at nu dt = 0.6 h^2: their velocities doubled in each step, from rest, until the run was stopped."""
     cell = closed(0.6, 195)
@@ -139,7 +160,7 @@ def test_the_pressure_increment_is_as_smooth_in_narrow_gaps_as_the_pressure(free
     freefem(cell.script, *words_of(cell, tmp_path))
     run = RunFolder(tmp_path / "run")
     kinetic, spent, gain = stress_excess(run.table("budget"), scene(4270).start)
-    assert kinetic <= 0 and spent < LOSSES and gain < 0.02
+    assert kinetic <= 0 and spent < LOSSES and gain < 0.02 and left_over(run, 4270) > -CLOSED
 
 
 @pytest.mark.parametrize("throw", [None, pytest.param(0, marks=pytest.mark.slow), pytest.param(9, marks=pytest.mark.slow)])
@@ -209,3 +230,16 @@ def test_what_a_film_took_before_a_rebound_does_not_come_back(words, freefem, tm
     energy, work = budget["kinetic_energy"] - budget["work"], np.maximum.accumulate(budget["work"])
     assert energy[-1] < -0.2 * work[-1]  # it has met the floor
     assert ((energy - np.minimum.accumulate(energy)) / work).max() < 0.01
+
+
+def test_a_light_disk_between_films_does_not_throw_a_heavy_one_back(freefem_text, tmp_path):
+    """A heavy disk falls on a light one that lies on another heavy one, with films and e = 1. (The braking of the light disk by one
+    of its films alone, over its own mass, was taken out of its history: 28 times the energy in the first step, and the guard, which
+    knew no earlier one, was silent.)"""
+    bodies = "bodyDisk(0.5, 0.1, 0.1, 20); bodyDisk(0.5, 0.26, 0.05, 0.01); bodyAdd(0.5, 0.42, 0.1, 20, 0, -1.5, 0, 1);"
+    freefem_text('int[int] sides = [13, 12, 14, 11];\n' + f'savemesh(square(16, 16, label = sides), "{tmp_path / "box.mesh"}");\n'
+        + case("{" + bodies + "}", mu=0.005, gravity=-1), "-mesh", tmp_path / "box.mesh", "-dt", 0.0125, "-tend", 0.0625, "-every",
+        0, "-film", 1, "-restitution", 1, "-budget", 1, "-out", tmp_path / "run")
+    budget = RunFolder(tmp_path / "run").table("budget")
+    start = 0.5 * 20 * np.pi * 0.1**2 * 1.5**2
+    assert (budget["kinetic_energy"] - budget["work"]).max() < start and RunFolder(tmp_path / "run").fluid["contacts"].max() > 0

@@ -61,6 +61,8 @@ def test_disks_that_meet_keep_their_momentum_and_part(long_box, freefem_text, tm
     assert two[hit + 1] - one[hit + 1] == pytest.approx(0.6 * (one[hit] - two[hit]), rel=0.01)  # the lesser coefficient
     assert 2 * one[hit + 1] + two[hit + 1] == pytest.approx(2 * one[hit] + two[hit], rel=0.005)
     energy_told(run, 1e-3)
+    lost = 0.5 * (1 - 0.6**2) * 1000 * np.pi * 0.1**2 / 3 * (one[hit] - two[hit])**2  # the reduced mass is a third of the first
+    assert run.table("budget")["contacts"][-1] == pytest.approx(lost, rel=0.01)
 
 
 @pytest.mark.parametrize("density, friction", [(0.02, 0), (0.002, 0.5)])

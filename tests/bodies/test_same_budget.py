@@ -23,7 +23,8 @@ BODIES = [(0.5, 0.143, 0.14, 0.14, 0, 3), (0.62, 0.404, 0.17, 0.11, 0.5, 6), (0.
 PUSH, TORQUE = (0.05, -0.02), 0.01
 VECTORS = {"particles": [("x", "y"), ("u", "v")], "forces": [("fx", "fy")], "wallforces": [("fx", "fy")],
     "budget": [("momentum_x", "momentum_y"), ("walls_x", "walls_y"), ("weight_x", "weight_y")]}
-SCALARS = {"particles": ["omega"], "forces": ["torque"], "wallforces": [], "budget": ["kinetic_energy", "work", "dissipated"]}
+SCALARS = {"particles": ["omega"], "forces": ["torque"], "wallforces": [], "budget": ["kinetic_energy", "work", "dissipated",
+    "pressure", "contacts", "numerical"]}
 
 
 def runs(box, folder, turn):

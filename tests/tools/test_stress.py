@@ -378,9 +378,10 @@ def test_a_cell_that_was_late_in_any_way_is_run_again_with_more_time(status, aga
     assert [stress_runs.run_cell(one, 1.0, 0, tmp_path, limit)["fresh"] for limit in (1, 1, 2)] == [True, False, bool(again)]
 
 
-def budget(kinetic, work, dissipated):
+def budget(kinetic, work, dissipated, numerical=(0,)):
     """A budget.csv as judge() reads it."""
-    return {"kinetic_energy": np.array(kinetic, float), "work": np.array(work, float), "dissipated": np.array(dissipated, float)}
+    columns = {"kinetic_energy": kinetic, "work": work, "dissipated": dissipated, "numerical": numerical}
+    return {name: np.array(values, float) for name, values in columns.items()}
 
 
 @pytest.mark.parametrize("start, table, words", [
@@ -389,6 +390,8 @@ def budget(kinetic, work, dissipated):
     (1.0, budget([0.9, 0.1, 0.5], [0, 0.0, 0.0], [0.1, 0.3, 0.4]), "gains 0.4 of work"),
     (0.0, budget([0.5, 1.0, 0.5], [0.6, 1.5, 2.0], [0.0, 1.0, 2.1]), "kinetic energy and dissipation exceed work and energy at "
         "the start by 0.3"),
+    (1.0, budget([0.9, 0.8, 0.5], [0, 0.1, 0.1], [0.1, 0.3, 0.6], [0.1, -0.04, 0]), ""),
+    (1.0, budget([0.9, 0.8, 0.5], [0, 0.1, 0.1], [0.1, 0.3, 0.6], [0.1, -0.1, 0]), "the numerical dissipation is -0.091 of work"),
     (None, {}, "")])
 def test_energy_that_nothing_supplied_is_told_from_a_budget(start, table, words):
     said = created({"budget": table}, start)

@@ -25,6 +25,7 @@ GOOD, FAILED = ("accurate", "stable"), ("overlap", "blown up", "not run")
 TABLES = ("particles", "fluid", "contacts", "motion", "errors", "forces", "budget", "summary", "lines", "wall", "steps", "entries",
     "exits")
 KINETIC, LATER, LOSSES = 0.02, 0.2, 0.25  # excesses above which energy counts as created (see excess())
+CLOSED = 0.05  # numerical dissipation below minus this part of the whole counts as energy created
 LATE = (24, -24, 124)  # statuses: FreeFEM on SIGXCPU, a program that SIGXCPU ended, tools.base.runner at its limit
 
 
@@ -113,11 +114,16 @@ def not_at_end(tables, end):
     return "" if max(last) >= end * (1 - 1e-6) else f"its rows end at t = {max(last):.6g} of {end:g}"
 
 
+def scale_of(budget, start):
+    """The largest sum of start and work, J/m."""
+    return max((start + budget["work"]).max(), start, 1e-300)
+
+
 def excess(budget, start):
     """Largest excess of the kinetic energy, and of it with the dissipation, over the energy at the start and the work; and of the
     kinetic energy over that of any earlier row and the work since: each over the largest sum of start and work."""
     kinetic, given, spent = budget["kinetic_energy"], start + budget["work"], budget["dissipated"]
-    scale = max(given.max(), start, 1e-300)
+    scale = scale_of(budget, start)
     since = kinetic - given
     gains = since - np.minimum.accumulate(since)
     return since.max() / scale, (since + spent).max() / scale, gains.max() / scale
@@ -132,8 +138,10 @@ def created(tables, start):
         return f"budget.csv: the kinetic energy exceeds work and energy at the start by {whole:.2g} of them"
     if later > LATER:
         return f"budget.csv: the kinetic energy gains {later:.2g} of work and energy at the start that the work since does not cover"
-    return (f"budget.csv: kinetic energy and dissipation exceed work and energy at the start by {with_losses:.2g} of them"
-        if with_losses > LOSSES else "")
+    if with_losses > LOSSES:
+        return f"budget.csv: kinetic energy and dissipation exceed work and energy at the start by {with_losses:.2g} of them"
+    rest = tables["budget"]["numerical"].min() / scale_of(tables["budget"], start)
+    return f"budget.csv: the numerical dissipation is {rest:.2g} of work and energy at the start" if rest < -CLOSED else ""
 
 
 def overlapping(run, table, checks):
