@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 
+from tests.conftest import standard_alone
 from tests.scenes import case
 from tests.tables import numbers
 from tools.base.run_folder import RunFolder
@@ -92,3 +93,26 @@ def test_a_disk_as_a_body_of_any_shape_has_the_same_pocket(freefem_text, tmp_pat
         forces = RunFolder(tmp_path / name).table("forces")
         found.append(forces["fx"][-1] + forces["fy"][-1])
     assert found[1] == pytest.approx(found[0], rel=0.15)
+
+
+LEFT = """macro caseStep() {
+    real[int] r(3*bodyNumber), q(0), f(3*bodyNumber), left(3*bodyNumber);
+    for (int k = 0; k < 3*bodyNumber; ++k) r[k] = (1 + 0.3*k)*filmInertia[k];
+    f = 0.;
+    filmSolve(r, q); filmApply(q, f);
+    left = r - f; left -= filmInertia .* q;
+    left ./= r; f ./= r;
+    cout << "left " << filmFluxN << " " << f.linfty << " " << left.linfty << endl;
+} // EOM
+"""
+
+
+def test_films_and_inertia_of_a_preconditioned_residual_are_the_residual(freefem_text, tmp_path):
+    """The solver takes the forces of films from this; three disks on a floor enclose fluid, one beside them does not."""
+    disks = ((0.3, 0.161, 2), (0.615, 0.163, 1), (0.46, 0.435, 3), (0.84, 0.8, 1))
+    text = case(" ".join(f"bodyDisk({x}, {y}, 0.15, {rho});" for x, y, rho in disks), walls="labelBottom, labelTop, labelLeft, "
+        "labelRight", more=LEFT, mu=1)
+    done = freefem_text(standard_alone(text), "-dt", 0.002, "-cfl", 0, "-tend", 0.006, "-every", 0, "-film", 1, "-out",
+        tmp_path / "run")
+    rows = np.array([[float(v) for v in line.split()[1:]] for line in done.stdout.splitlines() if line.startswith("left ")])
+    assert len(rows) == 3 and rows[:, 0].min() >= 4 and rows[:, 1].min() > 0.5 and rows[:, 2].max() < 1e-9

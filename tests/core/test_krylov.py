@@ -21,7 +21,7 @@ matrix A, Q;
    for (int i = 0; i < n; ++i) f >> b[i] >> x[i] >> inverse[i]; }}
 A.resize(n, n); Q.resize(n, n);
 int applied = 0;
-func int krylovApply(real[int] & s, real[int] & t) {{ t = A*s; applied++; return n; }}
+func int krylovApply(real[int] & left, real[int] & s, real[int] & t) {{ t = A*s; applied++; return n; }}
 func int krylovCorrect(real[int] & s, real[int] & t) {{ t += Q*s; return n; }}
 include "lib/core/krylov.idp"
 krylovCorrects = {corrects}; krylovFrom = {start};
