@@ -22,6 +22,7 @@ MANY = {
     "contactBodiesFromCsv": "the columns of the file",
     "contactValid": SCENE,
     "contactStart": SCENE,
+    "contactTakeSet": "the arrays of a working set, which only contactAccelerated() has",
     "contactRowSet": "the arrays of one linearised problem, which only its caller has",
     "contactEllipseApart": "called for the whole list and for gathered parts of it, with five results",
     "contactEllipseProject": SCENE,
