@@ -92,3 +92,19 @@ def test_an_ellipse_and_a_free_end(films):
 def test_joints_of_a_straight_wall_are_none(films):
     (found,) = films([(-5, 0), (-1, 0), (0, 0), (0.3, 0), (5, 0)], [(0.01, 1.02)])
     assert len(found) == 1 and (found[0][3:] == 0).all()
+
+
+def test_sides_of_a_round_box_are_seen_in_narrow_gaps(films):
+    """A box of 3 radii: of 24 sides, whose corners lean towards the disk; of 400, which are an arc; of 16, which are longer than the
+    disk's radius and no curve, but one film."""
+    for sides, gap in ((24, 0.02), (400, 0.02), (16, 0.02)):
+        s = 2 * np.pi * np.arange(sides + 1) / sides
+        box = [(3 * np.cos(a), 3 * np.sin(a)) for a in s]
+        half = 3 * np.sin(np.pi / sides)
+        (found,) = films(box, [(3 * np.cos(np.pi / sides) - 1 - gap) * np.array([np.cos(s[1] / 2), np.sin(s[1] / 2)])])
+        assert len(found) == 1 and found[0][0] == pytest.approx(gap, abs=1e-9)
+        assert found[0][7] == pytest.approx(0 if sides == 16 else 1 / 3, rel=0.02)
+        if sides == 400:
+            assert (found[0][3:7] == 0).all()
+        else:
+            assert found[0][3:5] == pytest.approx([-s[1]] * 2) and found[0][5:7] == pytest.approx([half] * 2, abs=1e-6)
