@@ -15,11 +15,13 @@ SHAPES = 'include "lib/case.idp"\ninclude "lib/bodies/shapes.idp"\n'
 
 
 def written(walls, form):
-    """Coordinates as a table of that format has them; "single": in single precision, "short": its shortest digits; "FORM|FORM":
-    each in one of two, by chance."""
-    if "|" in form:
+    """Coordinates as a table of that format has them; "single": in single precision, "short": its shortest digits; "FORM|FORM",
+    "FORM|FORM|FORM": each in one of these, by chance."""
+    if form.count("|") == 1:
         first, second = (written(walls, one) for one in form.split("|"))
         return np.where(np.random.default_rng(5).random(np.shape(walls)) < 0.4, first, second)
+    if "|" in form:
+        return np.choose(np.random.default_rng(5).integers(0, 3, np.shape(walls)), [written(walls, one) for one in form.split("|")])
     if form in ("single", "short"):
         return np.vectorize(lambda value: float(str(np.float32(value)) if form == "short" else np.float32(value)))(walls)
     return np.vectorize(lambda value: float(format(value, form)))(walls)
@@ -66,12 +68,24 @@ def corners(walls):
     return sorted(set(map(tuple, walls.reshape(-1, 2))))
 
 
-@pytest.mark.parametrize("form", [".5g", ".6g", ".5f", "single", "short"])
+@pytest.mark.parametrize("form", [".5g", ".6g", ".5f", ".4e", "single", "short"])
 def test_a_polygon_in_pieces_has_its_sides(form, joined):
     rng = np.random.default_rng(4)
     walls = np.vstack([side(a, b, 40, rng) for a, b in zip(POLYGON, np.roll(POLYGON, -1, 0))])
     found, _ = joined(written(scattered(walls, rng), form))
     assert len(found) == 5 and corners(found) == corners(written(POLYGON, form))
+
+
+@pytest.mark.parametrize("form", [".5g|.6g", ".4f|.5f", ".6g|.8g", ".6g|.7g|.8g", ".6g|short", ".5e|.6f"])
+@pytest.mark.parametrize("spread", ["even", "random", "graded"])
+def test_numbers_of_digits_that_differ_by_one_or_two_make_one_floor(spread, form, joined):
+    """Of 40 pieces, coordinates from 0.001 to 100: up to 39 walls were left, as all counted as having the greater number."""
+    rng = np.random.default_rng(1)
+    share = {"even": np.linspace(0, 1, 41), "random": np.r_[0, np.sort(rng.uniform(0, 1, 39)), 1],
+        "graded": (np.geomspace(1e-3, 100, 41) - 1e-3) / (100 - 1e-3)}[spread]
+    points = np.column_stack([1e-3 + share * (100 - 1e-3), 5e-4 + 0.3 * (1e-3 + share * (100 - 1e-3))])
+    found, straight = joined(written(np.hstack([points[:-1], points[1:]]), form))
+    assert len(found) == 1 and np.abs(straight - np.hstack([points[:-1], points[1:]])).max() < 2e-3
 
 
 @pytest.mark.parametrize("form", [".6g", ".17g"])
@@ -143,7 +157,8 @@ def sliding(kind, floors, turn, origin, lift):
 
 @pytest.mark.parametrize("kind, count, form, slope", [("disk", 50, ".6g", 0.3), ("ellipse", 50, ".6g", -0.7), ("capsule", 50,
     ".6g", 0.3), ("disk", 50, ".5g", 1.2), ("disk", 200, ".6g", 1.2), ("ellipse", 200, ".5g", 0.3), ("capsule", 200, ".5g", -0.7),
-    ("disk", 50, ".6g|.17g", 0.3), ("capsule", 50, ".5g|.9g", -0.7), ("ellipse", 200, ".5f|.17g", 0.3)])
+    ("disk", 50, ".6g|.17g", 0.3), ("capsule", 50, ".5g|.9g", -0.7), ("ellipse", 200, ".5f|.17g", 0.3), ("disk", 50, ".5g|.6g",
+    0.3), ("ellipse", 50, ".4f|.5f", -0.7), ("capsule", 200, ".6g|.7g|single", 0.3)])
 def test_bodies_slide_over_random_pieces(kind, count, form, slope, freefem_text, tmp_path):
     """Disks lost 0.44 of their speed on 200 pieces and 0.78 where these overlap, and ellipses stopped the run; 0.3 to 0.5 where
     numbers of few digits stand among full ones. Expected from the energy on the straight floor, v^2 = 1 + 2 g.s."""
@@ -187,11 +202,12 @@ def test_supports_behind_a_floor_do_not_stand_out(period, freefem_text, tmp_path
     assert np.hypot(last["u"][-1], last["v"][-1]) == pytest.approx(1 + 9.81 * np.sin(-slope), abs=2e-5)
 
 
-def test_a_floor_of_few_digits_projects_velocities_as_one(freefem, tmp_path):
+@pytest.mark.parametrize("form", [".6g", ".5g|.6g"])
+def test_a_floor_of_few_digits_projects_velocities_as_one(form, freefem, tmp_path):
     """Disks on a slope that move over some of its pieces in a step."""
     rng, turn = np.random.default_rng(3), turned(-0.3)
     floor = side(turn @ (0, 0), turn @ (6, 0), 60, rng) + (0.1, 1.9, 0.1, 1.9)
-    floor = written(floor, ".6g")
+    floor = written(floor, form)
     (tmp_path / "bodies.csv").write_text("id,x,y,radius,mass,u,v\n" + "".join("{},{},{},0.1,1,{},{}\n".format(k,
         *(turn @ (0.5 + 0.6 * k, 0.1001) + (0.1, 1.9)), *(turn @ (1 + 0.2 * k, -0.5))) for k in range(6)))
     write_walls(tmp_path / "pieces.csv", scattered(floor, rng))

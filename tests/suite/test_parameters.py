@@ -40,6 +40,7 @@ MANY = {
     "contactProject": SCENE,
     "contactIdle": SCENE,
     "bendBeyond": "called for either end of the walls, with its arrays",
+    "bendSlides": "the arrays of a projection, which its caller has",
     "bendOnLine": "called for disks and for ellipses, with their arrays",
     "rowsList": "FreeFEM has no structures, and a matrix by rows is four arrays",
     "rowsPart": "as rowsList()",
