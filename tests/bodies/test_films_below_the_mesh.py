@@ -314,3 +314,30 @@ def test_bodies_that_are_thrown_beside_a_wall_have_a_budget(box, freefem_text, t
     bodies = "bodyAdd(4.07, 0.31, 0.3, 0.1, 0.3, -5, 1, 1); bodyAdd(4.68, 0.31, 0.3, 10, -0.5, 5, 1, 1);"
     freefem_text(scene(bodies), "-mesh", box, "-dt", 0.05, "-tend", 0.1, "-every", 0, "-budget", 1, "-out", tmp_path / "run")
     assert len(RunFolder(tmp_path / "run").table("budget")["t"]) > 1
+
+
+ANSWERED = """macro caseStep() {
+    int[int] I(1), J(1);
+    real[int] C(1), room(flowNq), part(flowNq);
+    [I, J, C] = flowBX; C = abs(C);
+    matrix X = [I, J, C]; X.resize(flowNq, flowNw);
+    [I, J, C] = flowBY; C = abs(C);
+    matrix Y = [I, J, C]; Y.resize(flowNq, flowNw);
+    room = X*rigidMaskU; part = Y*rigidMaskV; room += part;
+    real least = 1e30;
+    for (int k = 0; k < gapWho.n; ++k) if (gapOut[k] > 0) least = min(least, room[gapAt[k]]);
+    cout << "ANSWERED " << gapN << " " << least << endl;
+} // EOM"""
+
+
+@pytest.mark.parametrize("place", [(4, 4, 0.4), (4.07, 4.04, 0.4), (4, 4.1, 0.8)])
+def test_what_a_gap_displaces_goes_where_a_velocity_answers(place, box, freefem_text, tmp_path):
+    """Vertices within a body whose only nodes of the fluid are other vertices took a part: their pressure grew for a hundred steps,
+    and bore up to two thirds of the pressure force on two disks."""
+    x, y, angle = place
+    dx, dy = 1.06 * np.cos(angle), 1.06 * np.sin(angle)
+    text = scene(f"bodyAdd({x - dx}, {y - dy}, 1, 2, 0, 0, 0, 1); bodyAdd({x + dx}, {y + dy}, 1, 2, 0, 0, 0, 1);", ANSWERED,
+        gravity=0)
+    done = freefem_text(standard_alone(text), "-mesh", box, "-dt", 0.1, "-tend", 0.1, "-every", 0, "-out", tmp_path / "run")
+    closed, least = next(line for line in done.stdout.splitlines() if line.startswith("ANSWERED")).split()[1:]
+    assert int(closed) > 4 and float(least) > 1e-3
