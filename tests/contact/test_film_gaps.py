@@ -13,6 +13,9 @@ for (int k = 0; k < xs.n; ++k) {{
     px = xs[k]; py = ys[k];
     filmForget();
     filmGaps(px, py, turn, r, aspect, 1.);
+    real[int] size(filmN);
+    size = {size};
+    filmWallSides(size); filmWallCorners(px, py);
     for (int i = 0; i < filmN; ++i) cout << "film " << k << " " << filmGap[i] << " " << filmEx[i] << " " << filmEy[i] << " "
         << filmLeanUp[i] << " " << filmLeanDown[i] << " " << filmFlatUp[i] << " " << filmFlatDown[i] << " " << filmCurve[i] << endl;
 }}
@@ -26,10 +29,10 @@ def polygon(points):
 
 @pytest.fixture
 def films(freefem_text):
-    def run(points, places, aspect=1):
+    def run(points, places, aspect=1, size=1e-3):
         places = np.atleast_2d(places)
         listed = [str([float(x) for x in column]) for column in places.T]
-        done = freefem_text(TEXT.format(walls=polygon(points), xs=listed[0], ys=listed[1], aspect=aspect))
+        done = freefem_text(TEXT.format(walls=polygon(points), xs=listed[0], ys=listed[1], aspect=aspect, size=size))
         found = rows(done.stdout, "film")
         return [found[found[:, 0] == k][:, 1:] for k in range(len(places))]
     return run
@@ -108,3 +111,12 @@ def test_sides_of_a_round_box_are_seen_in_narrow_gaps(films):
             assert (found[0][3:7] == 0).all()
         else:
             assert found[0][3:5] == pytest.approx([-s[1]] * 2) and found[0][5:7] == pytest.approx([half] * 2, abs=1e-6)
+
+
+def test_sides_as_long_as_elements_are_chords_of_an_arc(films):
+    """A mesh has a circle as chords as long as its elements. (A disk above a corner of 24 sides.)"""
+    s = 2 * np.pi * np.arange(25) / 24
+    box, place = [(3 * np.cos(a), 3 * np.sin(a)) for a in s], [(2 - 0.02) * np.array([np.cos(s[2]), np.sin(s[2])])]
+    for elements, seen in ((1, False), (2, True)):
+        (found,) = films(box, place, size=6 * np.sin(np.pi / 24) / elements)
+        assert len(found) == 1 and found[0][7] == pytest.approx(1 / 3, rel=0.02) and (found[0][3:5] != 0).any() == seen

@@ -50,8 +50,10 @@ def resistance(forces, where, gap, sense, tilt=0.0):
     return float(force @ n if sense == 0 else force @ [n[1], -n[0]])
 
 
-def polygon_words(inside, sides, around, corner, gap, sense, size=0.25):
-    """Options of a run; the first five as in POLYGONS."""
+def polygon_words(inside, sides, around, corner, gap, sense):
+    """Options of a run; the first five as in POLYGONS. Four elements per radius, or more where sides are shorter than 1.6 elements:
+    those as long as elements count as chords of a circle."""
+    size = min(0.25, 2 * around * np.sin(np.pi / sides) / 1.6)
     return {"-inside": inside, "-sides": sides, "-post": around, "-corner": corner, "-gap": gap, "-sense": sense, "-size": size,
         "-dt": 2 * size**2, "-cfl": 0, "-every": 0, "-forces": 1, "-tend": 2 * size**2 * STEPS}
 
@@ -78,7 +80,7 @@ def corners(context):
 
 
 def polygons(context):
-    """Round boxes and posts that are polygons, above corners and in the middle of sides, four elements per radius."""
+    """Round boxes and posts that are polygons, above corners and in the middle of sides."""
     for (inside, sides, around, corner, gap), fitted in POLYGONS.items():
         name = f"{'round box' if inside else 'post'} of {around} R, {sides} sides, {'a corner' if corner == 2 else 'a side'}"
         for sense, way in enumerate(SENSES):
