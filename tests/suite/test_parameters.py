@@ -49,7 +49,6 @@ MANY = {
     "motionForces": "arrays of this step, which only motionContacts() has",
     "frameBeside": "the pairs of this step, which only frameWindows() has",
     "momentumStart": "extrapolated values and loads of the step, which exist only during it",
-    "gapLook": BOTH,
     "pressureMean": BOTH,
     "ransTransport": "called for K and for E, each with its arrays",
     "ransUpwinding": "four fields at the points and three results, within one evaluation",
