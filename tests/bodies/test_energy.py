@@ -160,7 +160,7 @@ def test_areas_of_all_nodes_decide_which_vertices_are_closed(freefem, tmp_path):
     freefem(cell.script, *words_of(cell, tmp_path))
     run = RunFolder(tmp_path / "run")
     kinetic, spent, gain = stress_excess(run.table("budget"), scene(37).start)
-    assert kinetic <= 0 and spent <= 0 and gain < 0.02 and left_over(run, 37) > -CLOSED
+    assert kinetic <= 0 and spent < LOSSES and gain < 0.02 and left_over(run, 37) > -CLOSED
 
 
 def test_the_pressure_increment_is_as_smooth_in_narrow_gaps_as_the_pressure(freefem, tmp_path):
