@@ -19,7 +19,8 @@ def test_a_disk_beside_a_corner_meets_the_resistance_there(solid, where, gap, se
 
 
 @pytest.mark.parametrize("inside, sides, around, corner, gap, sense", [
-    (1, 24, 3, 2, 0.01, 0), (1, 24, 3, 2, 0.01, 1), (1, 24, 3, 2.5, 0.01, 0), (0, 16, 1, 2.5, 0.01, 0)])
+    (1, 24, 3, 2, 0.01, 0), (1, 24, 3, 2, 0.01, 1), (1, 24, 3, 2.5, 0.01, 0), (0, 16, 1, 2.5, 0.01, 0),
+    (0, 16, 1, 2, 0.01, 0)])
 def test_a_round_wall_of_few_sides_has_the_film_of_its_sides(inside, sides, around, corner, gap, sense, freefem, tmp_path):
     """In a round box of 24 sides, which counted as an arc, a disk met 0.26 of the resistance at a corner and 1.68 above a side."""
     options = [word for pair in polygon_words(inside, sides, around, corner, gap, sense).items() for word in pair]
