@@ -98,8 +98,8 @@ def test_joints_of_a_straight_wall_are_none(films):
 
 
 def test_sides_of_a_round_box_are_seen_in_narrow_gaps(films):
-    """A box of 3 radii: of 24 sides, whose corners lean towards the disk; of 400, which are an arc; of 16, which are longer than the
-    disk's radius and no curve, but one film."""
+    """A box of 3 radii: of 24 sides, whose corners lean towards the disk; of 400, which are an arc; of 16, which are longer than
+    the disk's radius and no curve, but one film."""
     for sides, gap in ((24, 0.02), (400, 0.02), (16, 0.02)):
         s = 2 * np.pi * np.arange(sides + 1) / sides
         box = [(3 * np.cos(a), 3 * np.sin(a)) for a in s]
